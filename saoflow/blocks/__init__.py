@@ -1,0 +1,1 @@
+"""The symbol library: one file per symbol."""

@@ -1,0 +1,1 @@
+"""Reading YAML sheets and elaborating them; the shipped sheets lie beside it."""

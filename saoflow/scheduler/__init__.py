@@ -1,0 +1,1 @@
+"""Causality and order, the frame program, execution, operation counts and budgets."""

@@ -1,0 +1,1 @@
+"""Numpy references, equivalence cases, recordings, sensor noise and faults."""
