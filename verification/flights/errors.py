@@ -10,20 +10,20 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 CODES: dict[str, str] = {
-    "F101": "no flight of that name",
-    "F102": "no aircraft of that name",
-    "F103": "jsbsim is missing or of another version",
-    "F104": "the aircraft left the range that the autopilot can hold",
-    "F105": "a flight plan makes no sense",
-    "F201": "a fault makes no sense",
-    "F202": "a fault's text cannot be read",
-    "F203": "the sensor noise makes no sense",
-    "F204": "missing samples make no sense",
-    "F301": "no shipped recording of that name",
-    "F302": "a recording has no such column",
-    "F303": "a recording file cannot be read",
-    "F304": "a recording file cannot be written",
-    "F305": "a recording makes no sense",
+    "E701": "no flight of that name",
+    "E702": "no aircraft of that name",
+    "E703": "jsbsim is missing or of another version",
+    "E704": "the aircraft left the range that the autopilot can hold",
+    "E705": "a flight plan makes no sense",
+    "E711": "a fault makes no sense",
+    "E712": "a fault's text cannot be read",
+    "E713": "the sensor noise makes no sense",
+    "E714": "missing samples make no sense",
+    "E721": "no shipped recording of that name",
+    "E722": "a recording has no such column",
+    "E723": "a recording file cannot be read",
+    "E724": "a recording file cannot be written",
+    "E725": "a recording makes no sense",
 }
 
 

@@ -57,7 +57,7 @@ class Fault:
     - ``noise``: r + white noise of standard deviation ``amplitude`` [deg or kt], drawn by the seed of
       ``sensors``.
 
-    Raises :class:`FlightError` F201 for anything else.
+    Raises :class:`FlightError` E711 for anything else.
     """
 
     kind: str
@@ -105,7 +105,7 @@ class Fault:
 
     def _refuse(self, what: str, cause: str, hint: str = "") -> None:
         raise FlightError(
-            "F201",
+            "E711",
             f"fault: {what}",
             cause=cause,
             remedy="see Fault in verification.flights, or 'saoflow fly --help'",
@@ -178,7 +178,7 @@ class Missing:
     [s].
 
     ``inputs``: any of vg, vz, theta, q, ax, az, z, alpha, vc (all three sensors), alpha_1 ... vc_3.
-    Raises :class:`FlightError` F204.
+    Raises :class:`FlightError` E714.
     """
 
     inputs: tuple[str, ...]
@@ -204,7 +204,7 @@ class Missing:
             self._refuse(f"onset = {self.onset}", "it must be 0 s or later")
 
     def _refuse(self, what: str, cause: str, hint: str = "") -> None:
-        raise FlightError("F204", f"missing samples: {what}", cause=cause, remedy="change it", hint=hint)
+        raise FlightError("E714", f"missing samples: {what}", cause=cause, remedy="change it", hint=hint)
 
     def columns(self) -> tuple[str, ...]:
         """The columns concerned: alpha and vc stand for three each."""

@@ -169,7 +169,7 @@ Wind = SteadyWind | WindRamp | WindShear | VerticalGust | Turbulence
 
 @dataclass(frozen=True)
 class FlightPlan:
-    """One flight. Raises :class:`FlightError` F102 (aircraft) or F105 (anything else) if it makes no sense.
+    """One flight. Raises :class:`FlightError` E702 (aircraft) or E705 (anything else) if it makes no sense.
 
     ``cas_kt`` [kt] and ``altitude_ft`` [ft pressure altitude in the standard atmosphere] at the start, level;
     ``duration_s`` [s] recorded; manoeuvres and winds add up; ``seed`` drives the turbulence alone;
@@ -190,7 +190,7 @@ class FlightPlan:
     def __post_init__(self) -> None:
         if self.aircraft not in AIRCRAFT:
             raise FlightError(
-                "F102",
+                "E702",
                 f"no aircraft '{self.aircraft}'",
                 cause=f"known are {', '.join(AIRCRAFT)}",
                 remedy="name one of them",
@@ -216,5 +216,5 @@ class FlightPlan:
 
     def _refuse(self, what: str, cause: str) -> None:
         raise FlightError(
-            "F105", f"flight '{self.name}': {what}", cause=cause, remedy="change the flight plan"
+            "E705", f"flight '{self.name}': {what}", cause=cause, remedy="change the flight plan"
         )

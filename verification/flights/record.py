@@ -1,6 +1,6 @@
 """Flies a :class:`FlightPlan` with JSBSim and writes down what happened.
 
-Frames are 0.048 s apart, 6 steps of 0.008 s. The first 60 s are not recorded: the aircraft is trimmed in calm
+Frames are 0.048 s apart, 6 steps of 0.008 s. The first 90 s are not recorded: the aircraft is trimmed in calm
 air, the wind of t = 0 is faded in, and everything settles. What is taken from where:
 
 - specific force: total body forces over mass (JSBSim's own accelerations lag a frame or have a lever arm);
@@ -39,8 +39,8 @@ from verification.recordings.recording import FRAME_PERIOD, Recording
 
 STEP = 0.008  # [s]
 STEPS_PER_FRAME = 6
-SETTLE_S = 60.0  # not recorded: calm, then the wind fades in over FADE_S, then the rest settles
-FADE_START_S, FADE_S = 2.0, 35.0
+SETTLE_S = 90.0  # not recorded: calm, then the wind fades in over FADE_S, then the rest settles
+FADE_START_S, FADE_S = 2.0, 40.0
 KT = 1852.0 / 3600.0  # [m/s]
 FPS_IN_KT = 0.3048 / KT
 JSBSIM_VERSION = "1.3.3"
@@ -74,7 +74,7 @@ def record(plan: FlightPlan, progress: Callable[[float], None] | None = None) ->
     """Flies ``plan``; columns as in :data:`COLUMNS`, round(duration_s / 0.048) + 1 frames.
 
     The same plan gives the same numbers. ``progress`` is called now and then with the fraction done, 0 to 1.
-    Raises :class:`FlightError` F103 (no jsbsim) and F104 (the flight got out of hand).
+    Raises :class:`FlightError` E703 (no jsbsim) and E704 (the flight got out of hand).
     """
     with _silence():
         fdm = _trimmed(plan)
@@ -82,12 +82,12 @@ def record(plan: FlightPlan, progress: Callable[[float], None] | None = None) ->
 
 
 def jsbsim_module() -> Any:
-    """The module ``jsbsim``. Raises F103 if it is not installed."""
+    """The module ``jsbsim``. Raises E703 if it is not installed."""
     try:
         import jsbsim
     except ImportError:
         raise FlightError(
-            "F103",
+            "E703",
             "recording a flight needs jsbsim",
             cause="the package jsbsim is not installed",
             remedy="pip install 'saoflow[flights]'; the shipped recordings need nothing",
@@ -117,6 +117,9 @@ def _trimmed(plan: FlightPlan) -> Any:
     fdm.set_debug_level(0)
     fdm.load_model(plan.aircraft)
     fdm.set_dt(STEP)
+    for quantity in ("rate/rotational", "rate/translational", "position/rotational", "position/translational"):
+        # Adams-Bashforth 3: JSBSim's own choice for rotation, Euler, is half a step off in pitch.
+        fdm[f"simulation/integrator/{quantity}"] = 4
     fdm["simulation/randomseed"] = plan.seed
     fdm["atmosphere/delta-T"] = plan.delta_isa_k * 1.8  # JSBSim wants degrees Rankine
     fdm["ic/lat-geod-deg"] = 45.0
@@ -133,7 +136,7 @@ def _trimmed(plan: FlightPlan) -> Any:
         fdm.do_trim(1)
     except Exception as error:
         raise FlightError(
-            "F104",
+            "E704",
             f"flight '{plan.name}': no trim at {plan.cas_kt:g} kt, {plan.altitude_ft:g} ft",
             cause=f"JSBSim: {error}",
             remedy="choose a speed and an altitude that the aircraft can hold",
@@ -261,7 +264,7 @@ def _in_hand(plan: FlightPlan, fdm: Any, t: float) -> None:
     alpha, phi = fdm["aero/alpha-deg"], fdm["attitude/phi-deg"]
     if not (-10.0 < alpha < 16.0 and abs(phi) < 20.0 and fdm["position/h-sl-ft"] > 200.0):
         raise FlightError(
-            "F104",
+            "E704",
             f"flight '{plan.name}': out of hand at t = {t:.1f} s",
             cause=f"angle of attack {alpha:.1f} deg, bank {phi:.1f} deg",
             remedy="fly smaller manoeuvres or winds, or at another speed",

@@ -30,11 +30,11 @@ def shipped_recordings() -> tuple[str, ...]:
 
 
 def load_recording(name: str) -> Recording:
-    """The shipped recording ``name``. Raises F301 (unknown name), F303 (damaged file)."""
+    """The shipped recording ``name``. Raises E721 (unknown name), E723 (damaged file)."""
     known = shipped_recordings()
     if name not in known:
         raise FlightError(
-            "F301",
+            "E721",
             f"no shipped recording '{name}'",
             cause=f"shipped are {', '.join(known)}",
             remedy="name one of them, or record a flight with 'saoflow fly'",

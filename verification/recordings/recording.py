@@ -33,7 +33,7 @@ class Recording:
     """A table of frames.
 
     ``names``: column names; ``columns``: one array (n,) for each name; ``period``: frame period [s].
-    Columns are not writable. Raises :class:`FlightError` F305 if the columns do not fit together.
+    Columns are not writable. Raises :class:`FlightError` E725 if the columns do not fit together.
     """
 
     names: tuple[str, ...]
@@ -43,7 +43,7 @@ class Recording:
     def __post_init__(self) -> None:
         if len(self.names) != len(self.columns) or len(set(self.names)) != len(self.names):
             raise FlightError(
-                "F305",
+                "E725",
                 f"a recording of {len(self.names)} names and {len(self.columns)} columns",
                 cause="names and columns must be in pairs, every name once",
                 remedy="give one column for every name",
@@ -51,7 +51,7 @@ class Recording:
         lengths = {column.shape for column in self.columns}
         if len(lengths) != 1 or len(next(iter(lengths))) != 1 or next(iter(lengths)) == (0,):
             raise FlightError(
-                "F305",
+                "E725",
                 "columns of a recording differ in length, are empty or are not vectors",
                 cause=f"shapes found: {sorted(lengths)}",
                 remedy="give columns of one length, at least 1",
@@ -67,10 +67,10 @@ class Recording:
         return name in self.names
 
     def __getitem__(self, name: str) -> Array:
-        """Column ``name``, shape (n,), not writable. Raises F302 for an unknown name."""
+        """Column ``name``, shape (n,), not writable. Raises E722 for an unknown name."""
         if name not in self.names:
             raise FlightError(
-                "F302",
+                "E722",
                 f"the recording has no column '{name}'",
                 cause=f"its columns are {', '.join(self.names)}",
                 remedy="name one of them",
@@ -93,12 +93,12 @@ class Recording:
         """The flagship's inputs as simulators take them.
 
         ``alpha`` [rad] and ``vc`` [kt] of shape (n, 3); ``vg``, ``vz`` [kt], ``theta`` [rad], ``q`` [rad/s],
-        ``ax``, ``az`` [kt/s^2], ``z`` [m] of shape (n,). Raises F302 if there are no sensor readings yet.
+        ``ax``, ``az`` [kt/s^2], ``z`` [m] of shape (n,). Raises E722 if there are no sensor readings yet.
         """
         for sensor in SENSOR_INPUTS:
             if f"{sensor}_1" not in self.names:
                 raise FlightError(
-                    "F302",
+                    "E722",
                     f"the recording has no sensor readings {sensor}_1, {sensor}_2, {sensor}_3",
                     cause="it holds the truth; readings are made from it by seed, with noise and faults",
                     remedy="make them first: sensors(recording, seed=1).inputs()",
@@ -118,7 +118,7 @@ def to_csv(recording: Recording) -> str:
 
 
 def write_recording(recording: Recording, path: str | Path) -> None:
-    """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises F304."""
+    """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises E724."""
     path = Path(path)
     name = path.name.lower()
     if name.endswith(".parquet"):
@@ -130,7 +130,7 @@ def write_recording(recording: Recording, path: str | Path) -> None:
         payload = to_csv(recording).encode("ascii")
     else:
         raise FlightError(
-            "F304",
+            "E724",
             f"{path}: the kind of file is not known by its extension",
             cause="recordings are written as .csv, .csv.gz or .parquet",
             remedy="choose one of these extensions",
@@ -144,7 +144,7 @@ def _to_parquet(recording: Recording, path: Path) -> bytes:
         import pyarrow.parquet
     except ImportError:
         raise FlightError(
-            "F304",
+            "E724",
             f"{path}: Parquet needs pyarrow",
             cause="pyarrow is not installed",
             remedy="pip install 'saoflow[parquet]', or write .csv",
@@ -163,7 +163,7 @@ def _replace(path: Path, payload: bytes) -> None:
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise FlightError(
-            "F304",
+            "E724",
             f"{path}: cannot be written",
             cause=error.strerror or str(error),
             remedy="choose a path in a folder that exists and that you may write to",
@@ -171,7 +171,7 @@ def _replace(path: Path, payload: bytes) -> None:
 
 
 def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
-    """Reads ``.csv`` or ``.csv.gz`` as written by :func:`write_recording`. Raises F303 with line and
+    """Reads ``.csv`` or ``.csv.gz`` as written by :func:`write_recording`. Raises E723 with line and
     column.
     """
     path = Path(path)
@@ -180,7 +180,7 @@ def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
         text = (gzip.decompress(raw) if path.name.endswith(".gz") else raw).decode("utf-8")
     except (OSError, EOFError, UnicodeDecodeError) as error:
         raise FlightError(
-            "F303",
+            "E723",
             f"{path}: cannot be read",
             cause=str(error),
             remedy="name a CSV file, plain or .gz",
@@ -188,7 +188,7 @@ def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
     rows = list(csv.reader(io.StringIO(text)))
     if len(rows) < 2:
         raise FlightError(
-            "F303",
+            "E723",
             f"{path}: no frames in it",
             cause="a recording is a header line and one line for each frame",
             remedy="record it again",
@@ -198,7 +198,7 @@ def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
     for line, row in enumerate(rows[1:], start=2):
         if len(row) != len(names):
             raise FlightError(
-                "F303",
+                "E723",
                 f"{path}:{line}: {len(row)} values for {len(names)} columns",
                 cause="every line has one value for each name of the header",
                 remedy="mend or drop the line",
@@ -208,7 +208,7 @@ def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
         except ValueError:
             bad = next(i for i, value in enumerate(row) if not _is_number(value))
             raise FlightError(
-                "F303",
+                "E723",
                 f"{path}:{line}: column '{names[bad]}': '{row[bad]}' is not a number",
                 cause="every value of a recording is a number",
                 remedy="mend the value; a missing one is 'nan'",
