@@ -220,15 +220,19 @@ class _Failure(Exception):
 
     def __init__(self, message: str, offset: int, length: int, cause: str, remedy: str) -> None:
         super().__init__(message)
-        self.message, self.offset, self.length, self.cause, self.remedy = message, offset, length, cause, remedy
+        self.message, self.offset, self.length, self.cause, self.remedy = (
+            message,
+            offset,
+            length,
+            cause,
+            remedy,
+        )
 
     def diagnosis(self, text: str, position: Position | None, source_line: str | None) -> Diagnosis:
         if position is not None:
             inside = Position(position.file, position.line, position.column + self.offset, max(1, self.length))
             position = inside if "\n" not in text else position
-        return Diagnosis(
-            "E113", self.message, position, cause=self.cause, remedy=self.remedy, source_line=source_line
-        )
+        return Diagnosis("E113", self.message, position, cause=self.cause, remedy=self.remedy, source_line=source_line)
 
 
 @lru_cache(maxsize=4096)
@@ -267,7 +271,7 @@ class _UnitParser:
             offset,
             len(word),
             f"{wanted} was expected, {found} was found",
-            "write units with names, `*`, `/`, `^` and parentheses, such as kt/s or m/s^2; a plain number has the unit 1",
+            "write names with `*`, `/`, `^` and parentheses, such as kt/s or m/s^2; a plain number has the unit 1",
         )
 
     def take(self, word: str) -> bool:

@@ -212,7 +212,11 @@ class _Parser:
     def whole(self) -> Expression:
         if len(self.tokens) == 1:
             raise ExpressionFailure(
-                "an expression is empty", 0, 1, "a name, a number or an expression should stand here", "write one"
+                "an expression is empty",
+                0,
+                1,
+                "a name, a number or an expression should stand here",
+                "write one",
             )
         result = self.expression(0)
         if self.tokens[self.at][0] != "end":

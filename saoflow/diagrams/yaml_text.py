@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, final
 
 import yaml
 from yaml import events as e
@@ -19,12 +19,13 @@ from saoflow.diagnosis import Diagnosis, Note, Position
 
 DEEPEST = 64
 """Levels of mappings and sequences inside each other, aliases followed."""
-MOST_ALIASED = 1_000_000
+MOST_ALIASED = 200_000
 """Nodes that all aliases together may stand for."""
 _LINE_BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")
 _C_LOADER: Any = getattr(yaml, "CLoader", None)
 
 
+@final
 class Scalar:
     """A word or text as written, without the quotes."""
 
@@ -41,6 +42,7 @@ class Scalar:
         return self.plain and self.value in ("", "~", "null")
 
 
+@final
 class Sequence:
     """A list of nodes."""
 
@@ -55,6 +57,7 @@ class Sequence:
         """Nodes in it, aliases followed; known when it is complete, 0 before."""
 
 
+@final
 class Mapping:
     """Keys with their values in the order of the text; each key once."""
 
@@ -270,10 +273,10 @@ class _Composer:
             return
         self.source.report(
             "E105",
-            f"`{_short(key.value)}` is written twice",
+            f"`{short(key.value)}` is written twice",
             self.source.position(key),
             cause="a key may stand only once in a mapping; one of the two would be lost",
-            notes=(Note(f"the first `{_short(key.value)}` is here", self.source.position(first)),),
+            notes=(Note(f"the first `{short(key.value)}` is here", self.source.position(first)),),
             remedy="rename or remove one of them",
         )
 
@@ -284,7 +287,7 @@ class _Composer:
         if event.tag is not None:
             self.source.report(
                 "E114",
-                f"the tag `{_short(event.tag)}` has no meaning in a sheet",
+                f"the tag `{short(event.tag)}` has no meaning in a sheet",
                 self.source.at_mark(event.start_mark),
                 cause="values of a sheet are words, numbers and expressions; their type follows from where they stand",
                 remedy="remove the tag",
@@ -297,7 +300,7 @@ class _Composer:
         if node is None:
             self.source.report(
                 "E102",
-                f"no anchor `&{_short(event.anchor)}` comes before this alias",
+                f"no anchor `&{short(event.anchor)}` comes before this alias",
                 place,
                 cause="an alias repeats a value that was marked with an anchor earlier in the file",
                 remedy="write the value itself; put text that starts with `*` into quotes",
@@ -308,7 +311,7 @@ class _Composer:
             if node.size == 0:
                 self.source.report(
                     "E109",
-                    f"the alias `*{_short(event.anchor)}` stands inside its own anchor",
+                    f"the alias `*{short(event.anchor)}` stands inside its own anchor",
                     place,
                     cause="the value would contain itself without end",
                     remedy="write the value itself",
@@ -355,14 +358,30 @@ _TROUBLES = (
     # what PyYAML says, its usual cause, the remedy
     ("found character '\\t'", "a tab stands where only spaces may indent", "indent with spaces"),
     ("cannot start any token", "a character stands here that YAML reserves", "put the text into quotes"),
-    ("mapping values are not allowed", "a `:` stands where no key can be", "check the indentation, or put text with `: ` into quotes"),
-    ("did not find expected ',' or", "a list or mapping in brackets is not closed, or text in it needs quotes", "close it, or put text with brackets such as \"P[-1]\" into quotes"),
+    (
+        "mapping values are not allowed",
+        "a `:` stands where no key can be",
+        "check the indentation, or put text with `: ` into quotes",
+    ),
+    (
+        "did not find expected ',' or",
+        "a list or mapping is not closed, or text in it needs quotes",
+        'close it, or put text with brackets such as "P[-1]" into quotes',
+    ),
     ("could not find expected ':'", "a line is no `key: value`", "add the `:` and a value"),
-    ("did not find expected key", "the indentation does not fit, or text after a quote or bracket", "indent the keys of one mapping alike"),
+    (
+        "did not find expected key",
+        "the indentation does not fit, or text follows a quote or bracket",
+        "indent the keys of one mapping alike",
+    ),
     ("found unexpected end of stream", "a quote is not closed", "close the quote"),
     ("unexpected end", "a bracket or a quote is not closed", "close it"),
-    ("alphabetic or numeric character", "`&` and `*` mark anchors and aliases in YAML", "put text that starts with `&` or `*` into quotes"),
-)  # fmt: skip
+    (
+        "alphabetic or numeric character",
+        "`&` and `*` mark anchors and aliases in YAML",
+        "put text that starts with `&` or `*` into quotes",
+    ),
+)
 
 
 def _report_yaml_error(source: SourceText, error: yaml.YAMLError) -> None:
@@ -373,7 +392,7 @@ def _report_yaml_error(source: SourceText, error: yaml.YAMLError) -> None:
         _report_character(source)
         return
     context, begun = getattr(error, "context", None), getattr(error, "context_mark", None)
-    notes = ()
+    notes: tuple[Note, ...] = ()
     if context and begun is not None and mark is not None and begun.line != mark.line:
         notes = (Note(str(context), source.at_mark(begun)),)
     cause, remedy = problem, "correct the YAML; most often an indentation, a quote or a bracket is wrong"
@@ -408,7 +427,7 @@ def _report_character(source: SourceText) -> None:
     )
 
 
-def _short(text: str, limit: int = 64) -> str:
+def short(text: str, limit: int = 64) -> str:
     """Text for a message: on one line, and cut if it is long."""
     text = " ".join(text.split())
     return text if len(text) <= limit else text[: limit - 3] + "..."
