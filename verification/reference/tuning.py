@@ -51,10 +51,10 @@ class Tuning:
     vc_floor: float = quantity(0.25, "kt", CHOSEN + "half the sensor noise; (19) divides by J^2")
 
     # P, Q, R of (21a), (22)
-    p_alpha: float = quantity(1e-7, "rad^2", CHOSEN + "smaller than R_alpha, as VI-A advises")
+    p_alpha: float = quantity(1e-6, "rad^2", CHOSEN + "smaller than R_alpha, as VI-A advises; see q_alpha")
     p_v: float = quantity(0.01, "m^2/s^2", CHOSEN + "smaller than R_vg, as VI-A advises")
     p_w: float = quantity(0.01, "m^2/s^2", PAPER + "Fig. 4, read in (m/s)^2")
-    q_alpha: float = quantity(1e-5, "rad^2/s^2", CHOSEN + "(0.18 deg/s)^2; (dW_z/dt)/V_t reaches 0.01 rad/s")
+    q_alpha: float = quantity(2e-4, "rad^2/s^2", CHOSEN + "(0.014 rad/s)^2, the noise of q in paper 003")
     q_v: float = quantity(0.09, "m^2/s^4", CHOSEN + "(0.3 m/s^2)^2")
     q_w: float = quantity(1.0, "m^2/s^4", PAPER + "Fig. 4, read in (m/s^2)^2")
     r_vg: float = quantity(0.04, "m^2/s^2", CHOSEN + "(0.2 m/s)^2")
