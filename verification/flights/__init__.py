@@ -9,6 +9,7 @@ inputs = sensors(truth, seed=1, faults=[fault]).inputs()
 
 from verification.flights.catalogue import FLIGHTS, SHIPPED, find_flight
 from verification.flights.errors import CODES, FlightError
+from verification.flights.fault_text import parse_fault, parse_missing
 from verification.flights.faults import KINDS, TABLE_II, Fault, Missing, random_fault, table_ii_levels
 from verification.flights.plan import AIRCRAFT, FlightPlan
 from verification.flights.record import COLUMNS, record
@@ -33,6 +34,8 @@ __all__ = [
     "Recording",
     "find_flight",
     "load_recording",
+    "parse_fault",
+    "parse_missing",
     "random_fault",
     "record",
     "sensors",

@@ -68,9 +68,7 @@ class Autopilot:
 
     def step(self, command: Command, motion: Motion) -> Surfaces:
         """The surface commands for the next step."""
-        return Surfaces(
-            self._elevator(command, motion), self._aileron(motion), self._autothrottle(command, motion)
-        )
+        return Surfaces(self._elevator(command, motion), self._aileron(motion), self._autothrottle(command, motion))
 
     def _elevator(self, command: Command, motion: Motion) -> float:
         climb = command.climb_fps + _limit(0.12 * (command.altitude_ft - motion.altitude_ft), 20.0)

@@ -118,9 +118,7 @@ _MORE: tuple[FlightPlan, ...] = (
         300.0,
         10000.0,
         60.0,
-        tuple(
-            PitchDoublet(8.0 + 13.0 * i, amplitude, 6.0) for i, amplitude in enumerate((1.0, -2.0, 3.0, -1.5))
-        ),
+        tuple(PitchDoublet(8.0 + 13.0 * i, amplitude, 6.0) for i, amplitude in enumerate((1.0, -2.0, 3.0, -1.5))),
         doc="Pitch doublets, calm.",
     ),
     FlightPlan(
@@ -163,7 +161,7 @@ _MORE: tuple[FlightPlan, ...] = (
         90.0,
         (),
         (SteadyWind(wx_kt=20.0), WindRamp("x", 20.0, 70.0, 5.0)),
-        doc="Tail wind of 90 kt, beyond the paper's bound of 60 kt: false alarms expected, as the paper says.",
+        doc="Tail wind of 90 kt, beyond the bound of 60 kt: false alarms expected, as the paper says.",
     ),
 )
 
@@ -178,7 +176,7 @@ def find_flight(name: str, aircraft: str | None = None, seed: int | None = None)
             "E701",
             f"no flight '{name}'",
             cause=f"flights are {', '.join(names)}",
-            remedy="name one of them",
+            remedy="name one of them; 'saoflow fly --list' says what they are",
             hint=did_you_mean(name, names),
         )
     plan = FLIGHTS[names.index(name)]

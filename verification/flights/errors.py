@@ -51,6 +51,17 @@ class FlightError(Exception):
             lines.append(f"    = {self.hint}")
         return "\n".join(lines)
 
+    def to_dict(self) -> dict[str, str]:
+        """The machine-readable form (``--json``)."""
+        return {
+            "code": self.code,
+            "severity": "error",
+            "message": self.message,
+            "cause": self.cause,
+            "remedy": self.remedy,
+            "hint": self.hint,
+        }
+
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """``did you mean 'x'?`` for the known word nearest to ``word``, or an empty string."""

@@ -76,17 +76,13 @@ class Fault:
                 did_you_mean(self.kind, KINDS),
             )
         if self.sensor not in SENSORS:
-            self._refuse(
-                f"no sensor '{self.sensor}'", "sensors are alpha and vc", did_you_mean(self.sensor, SENSORS)
-            )
+            self._refuse(f"no sensor '{self.sensor}'", "sensors are alpha and vc", did_you_mean(self.sensor, SENSORS))
         object.__setattr__(self, "which", tuple(self.which))
         if not self.which or len(set(self.which)) != len(self.which) or not set(self.which) <= {1, 2, 3}:
             self._refuse(f"sensors {self.which}", "they are numbered 1, 2, 3; name at least one, each once")
         if self.kind == "non_return_to_zero" and self.amplitude is None:
             object.__setattr__(self, "amplitude", 0.1)
-        needed = {"runaway": ("rate",), "oscillation": ("amplitude", "frequency")}.get(
-            self.kind, ("amplitude",)
-        )
+        needed = {"runaway": ("rate",), "oscillation": ("amplitude", "frequency")}.get(self.kind, ("amplitude",))
         for name in ("amplitude", "rate", "frequency"):
             value = getattr(self, name)
             if (value is not None) != (name in needed):
@@ -120,9 +116,7 @@ class Fault:
         """``reading`` (n,) [rad or kt] with the fault; ``generator`` feeds the noise fault alone."""
         first = self.onset_frame(period)
         if first >= len(reading):
-            self._refuse(
-                f"onset = {self.onset:g} s", f"the recording ends at {(len(reading) - 1) * period:g} s"
-            )
+            self._refuse(f"onset = {self.onset:g} s", f"the recording ends at {(len(reading) - 1) * period:g} s")
         faulty = reading.copy()
         healthy = reading[first:]
         s = np.arange(len(reading) - first) * period + (first * period - self.onset)
@@ -155,9 +149,7 @@ def table_ii_levels(kind: str, sensor: str) -> tuple[Fault, Fault, Fault]:
     return levels[0], levels[1], levels[2]
 
 
-def random_fault(
-    seed: int, kind: str, sensor: str, which: tuple[int, ...] = (1, 2, 3), onset: float = 20.0
-) -> Fault:
+def random_fault(seed: int, kind: str, sensor: str, which: tuple[int, ...] = (1, 2, 3), onset: float = 20.0) -> Fault:
     """A fault drawn by ``seed`` from its range in Table II, log-uniform, of random sign where it has one."""
     generator = np.random.default_rng([seed, KINDS.index(kind), SENSORS.index(sensor)])
     values: dict[str, float] = {}
@@ -191,9 +183,7 @@ class Missing:
         object.__setattr__(self, "inputs", tuple(self.inputs))
         for name in self.inputs:
             if name not in known:
-                self._refuse(
-                    f"no input '{name}'", f"inputs are {', '.join(known)}", did_you_mean(name, known)
-                )
+                self._refuse(f"no input '{name}'", f"inputs are {', '.join(known)}", did_you_mean(name, known))
         if not self.inputs:
             self._refuse("no inputs", "name at least one")
         if self.value not in MISSING_VALUES:
@@ -218,9 +208,7 @@ class Missing:
         """``reading`` (n,) with the samples missing."""
         first = math.ceil(self.onset / period - 1e-9)
         if first >= len(reading):
-            self._refuse(
-                f"onset = {self.onset:g} s", f"the recording ends at {(len(reading) - 1) * period:g} s"
-            )
+            self._refuse(f"onset = {self.onset:g} s", f"the recording ends at {(len(reading) - 1) * period:g} s")
         gappy = reading.copy()
         gappy[first : first + self.frames] = MISSING_VALUES[self.value]
         return gappy

@@ -212,9 +212,7 @@ class FlightPlan:
 
     def _within(self, what: str, value: float, low: float, high: float, unit: str) -> None:
         if not low <= value <= high:
-            self._refuse(f"{what} = {value}", f"it must be {low:g} to {high:g} {unit}".rstrip())
+            self._refuse(f"{what} = {value}", f"it must be {low:.10g} to {high:.10g} {unit}".rstrip())
 
     def _refuse(self, what: str, cause: str) -> None:
-        raise FlightError(
-            "E705", f"flight '{self.name}': {what}", cause=cause, remedy="change the flight plan"
-        )
+        raise FlightError("E705", f"flight '{self.name}': {what}", cause=cause, remedy="change the flight plan")

@@ -78,7 +78,7 @@ def record(plan: FlightPlan, progress: Callable[[float], None] | None = None) ->
     """
     with _silence():
         fdm = _trimmed(plan)
-        return _fly(plan, fdm, progress or (lambda fraction: None))
+    return _fly(plan, fdm, progress or (lambda fraction: None))
 
 
 def jsbsim_module() -> Any:
@@ -92,6 +92,14 @@ def jsbsim_module() -> Any:
             cause="the package jsbsim is not installed",
             remedy="pip install 'saoflow[flights]'; the shipped recordings need nothing",
         ) from None
+    version = getattr(jsbsim, "__version__", "unknown")
+    if version != JSBSIM_VERSION:
+        raise FlightError(
+            "E703",
+            f"recording a flight needs jsbsim {JSBSIM_VERSION}",
+            cause=f"version {version} is installed; another version flies another flight",
+            remedy="pip install 'saoflow[flights]'",
+        )
     return jsbsim
 
 
@@ -99,7 +107,11 @@ def jsbsim_module() -> Any:
 def _silence() -> Iterator[None]:
     """Sends the C library's standard output to nowhere: JSBSim prints whatever its debug level is."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    try:
+        kept = os.dup(1)
+    except OSError:  # no standard output to keep silent
+        yield
+        return
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, 1)
@@ -117,7 +129,7 @@ def _trimmed(plan: FlightPlan) -> Any:
     fdm.set_debug_level(0)
     fdm.load_model(plan.aircraft)
     fdm.set_dt(STEP)
-    for quantity in ("rate/rotational", "rate/translational", "position/rotational", "position/translational"):
+    for quantity in ("rate/rotational", "position/rotational"):
         # Adams-Bashforth 3: JSBSim's own choice for rotation, Euler, is half a step off in pitch.
         fdm[f"simulation/integrator/{quantity}"] = 4
     fdm["simulation/randomseed"] = plan.seed

@@ -71,9 +71,7 @@ def sensors(
     after the end, E713 for a bad seed.
     """
     if not isinstance(seed, int) or seed < 0:
-        raise FlightError(
-            "E713", f"seed {seed}", cause="seeds are whole numbers from 0", remedy="choose another"
-        )
+        raise FlightError("E713", f"seed {seed}", cause="seeds are whole numbers from 0", remedy="choose another")
     n = len(recording)
     streams = (*INERTIAL_INPUTS, *(f"{sensor}_{i}" for sensor in SENSORS for i in (1, 2, 3)))
     readings: dict[str, Array] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from rich.console import Console
 from rich.progress import Progress
 
 from verification import recordings
@@ -15,7 +16,7 @@ from verification.recordings import write_recording
 
 def ship(folder: Path) -> None:
     """Records every shipped flight into ``folder``."""
-    with Progress() as progress:
+    with Progress(console=Console(stderr=True)) as progress:
         task = progress.add_task("recording", total=len(SHIPPED))
         for number, plan in enumerate(SHIPPED):
             progress.update(task, description=plan.name)

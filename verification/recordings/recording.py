@@ -13,6 +13,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,8 +118,37 @@ def to_csv(recording: Recording) -> str:
     return "\n".join(lines) + "\n"
 
 
+def check_output(path: str | Path) -> None:
+    """Raises E724 if :func:`write_recording` could not write ``path``: before the work, not after it."""
+    path = Path(path)
+    if not path.name.lower().endswith((".csv", ".csv.gz", ".parquet")):
+        raise FlightError(
+            "E724",
+            f"{path}: the kind of file is not known by its extension",
+            cause="recordings are written as .csv, .csv.gz or .parquet",
+            remedy="choose one of these extensions",
+        )
+    cause = ""
+    if path.is_dir():
+        cause = "it is a folder"
+    elif not path.parent.is_dir():
+        cause = f"there is no folder '{path.parent}'"
+    elif not os.access(path.parent, os.W_OK):
+        cause = f"the folder '{path.parent}' may not be written to"
+    if cause:
+        raise FlightError(
+            "E724",
+            f"{path}: cannot be written",
+            cause=cause,
+            remedy="name a file in a folder that exists and that you may write to",
+        )
+    if path.name.lower().endswith(".parquet"):
+        _pyarrow(path)
+
+
 def write_recording(recording: Recording, path: str | Path) -> None:
     """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises E724."""
+    check_output(path)
     path = Path(path)
     name = path.name.lower()
     if name.endswith(".parquet"):
@@ -126,19 +156,12 @@ def write_recording(recording: Recording, path: str | Path) -> None:
     elif name.endswith(".csv.gz"):
         # No time stamp and no file name inside: the same recording gives the same bytes.
         payload = gzip.compress(to_csv(recording).encode("ascii"), compresslevel=9, mtime=0)
-    elif name.endswith(".csv"):
-        payload = to_csv(recording).encode("ascii")
     else:
-        raise FlightError(
-            "E724",
-            f"{path}: the kind of file is not known by its extension",
-            cause="recordings are written as .csv, .csv.gz or .parquet",
-            remedy="choose one of these extensions",
-        )
+        payload = to_csv(recording).encode("ascii")
     _replace(path, payload)
 
 
-def _to_parquet(recording: Recording, path: Path) -> bytes:
+def _pyarrow(path: Path) -> Any:
     try:
         import pyarrow
         import pyarrow.parquet
@@ -149,6 +172,11 @@ def _to_parquet(recording: Recording, path: Path) -> bytes:
             cause="pyarrow is not installed",
             remedy="pip install 'saoflow[parquet]', or write .csv",
         ) from None
+    return pyarrow
+
+
+def _to_parquet(recording: Recording, path: Path) -> bytes:
+    pyarrow = _pyarrow(path)
     table = pyarrow.table(dict(zip(recording.names, recording.columns, strict=True)))
     buffer = io.BytesIO()
     pyarrow.parquet.write_table(table, buffer)

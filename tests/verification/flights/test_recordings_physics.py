@@ -1,7 +1,8 @@
-"""The shipped recordings obey the equations that the estimator is built on, computed here from the truth columns.
+"""The shipped recordings obey the equations that the estimator is built on, computed here from the truth
+columns.
 
-The trapezoid bounds (0.013 deg/s, 0.007 kt/s) leave room for JSBSim's round, turning Earth: its effective gravity
-is below 9.80665 m/s^2 by up to 0.5 %.
+The trapezoid bounds (0.013 deg/s, 0.007 kt/s) leave room for JSBSim's round, turning Earth: its effective
+gravity is below 9.80665 m/s^2 by up to 0.5 %.
 """
 
 import numpy as np
@@ -26,7 +27,9 @@ def test_every_planned_recording_is_shipped_and_no_other():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_wind_triangle_closes_in_three_dimensions(name):
-    """Inertial velocity = air velocity + wind, from body axes through bank and pitch to the level heading axes."""
+    """Inertial velocity = air velocity + wind, from body axes through bank and pitch to the level heading
+    axes.
+    """
     r = load_recording(name)
     alpha, beta, theta, phi, vt = (r[n] for n in ("alpha_true", "beta_true", "theta", "phi_true", "vt_true"))
     u, v, w = vt * np.cos(alpha) * np.cos(beta), vt * np.sin(beta), vt * np.sin(alpha) * np.cos(beta)
@@ -57,7 +60,9 @@ def test_motion_stays_longitudinal(name):
 
 
 def residuals_of_8_and_9(r):
-    """Left minus right side of the exact (8) [rad/s] and (9) [kt/s], trapezoid over a frame, exact wind steps."""
+    """Left minus right side of the exact (8) [rad/s] and (9) [kt/s], trapezoid over a frame, exact wind
+    steps.
+    """
     alpha, slope, vt = r["alpha_true"], r["alpha_true"] - r["theta"], r["vt_true"]
     f_alpha = -r["ax"] * np.sin(alpha) + r["az"] * np.cos(alpha) + G * np.cos(slope)
     f_v = r["ax"] * np.cos(alpha) + r["az"] * np.sin(alpha) + G * np.sin(slope)

@@ -1,0 +1,1 @@
+"""Commands that join ``saoflow`` through the entry-point group ``saoflow.commands``."""
