@@ -8,7 +8,7 @@ integrator.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from verification.flights.errors import FlightError, did_you_mean
 
@@ -16,6 +16,24 @@ AIRCRAFT = ("A320", "787-8")
 """JSBSim aircraft that may be flown. Loading some others (737, c172x) opens network sockets."""
 
 FEET_PER_KFT = 1000.0
+
+
+def _sensible(part: object, above_zero: tuple[str, ...] = (), not_zero: tuple[str, ...] = ()) -> None:
+    """Raises E705 unless all numbers of the dataclass ``part`` are finite and the named ones are as named."""
+    what = type(part).__name__
+    for f in fields(part):  # type: ignore[arg-type]
+        value = getattr(part, f.name)
+        if isinstance(value, str):
+            continue
+        cause = ""
+        if not math.isfinite(value):
+            cause = "it must be finite"
+        elif f.name in above_zero and value <= 0.0:
+            cause = "it must be above 0"
+        elif f.name in not_zero and value == 0.0:
+            cause = "it must not be 0"
+        if cause:
+            raise FlightError("E705", f"{what}: {f.name} = {value:g}", cause=cause, remedy="change the flight plan")
 
 
 def smooth_step(t: float, start: float, duration: float) -> float:
@@ -54,6 +72,9 @@ class PitchDoublet:
     amplitude_deg: float
     period_s: float = 6.0
 
+    def __post_init__(self) -> None:
+        _sensible(self, above_zero=("period_s",))
+
     def theta_deg(self, t: float) -> float:
         """Added pitch command [deg] at time t [s]."""
         s = (t - self.start_s) / self.period_s
@@ -71,6 +92,9 @@ class AltitudeChange:
     change_ft: float
     rate_fpm: float = 1500.0
 
+    def __post_init__(self) -> None:
+        _sensible(self, not_zero=("rate_fpm",))
+
     def altitude_ft(self, t: float) -> float:
         """Added altitude command [ft] at time t [s]."""
         return soft_ramp(t, self.start_s, self.change_ft, self.rate_fpm / 60.0, corner=6.0)
@@ -83,6 +107,9 @@ class SpeedChange:
     start_s: float
     change_kt: float
     rate_kt_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        _sensible(self, not_zero=("rate_kt_s",))
 
     def cas_kt(self, t: float) -> float:
         """Added airspeed command [kt] at time t [s]."""
@@ -99,6 +126,9 @@ class SteadyWind:
     wx_kt: float = 0.0
     wy_kt: float = 0.0
     wz_kt: float = 0.0
+
+    def __post_init__(self) -> None:
+        _sensible(self)
 
     def wind_kt(self, t: float, altitude_ft: float) -> tuple[float, float, float]:
         """(tail, right, down) [kt]."""
@@ -117,6 +147,9 @@ class WindRamp:
     rate_kt_s: float
     corner_s: float = 1.0
 
+    def __post_init__(self) -> None:
+        _sensible(self, above_zero=("corner_s",), not_zero=("rate_kt_s",))
+
     def wind_kt(self, t: float, altitude_ft: float) -> tuple[float, float, float]:
         """(tail, right, down) [kt]."""
         w = soft_ramp(t, self.start_s, self.change_kt, self.rate_kt_s, self.corner_s)
@@ -129,6 +162,9 @@ class WindShear:
 
     gradient_kt: float
     reference_ft: float
+
+    def __post_init__(self) -> None:
+        _sensible(self)
 
     def wind_kt(self, t: float, altitude_ft: float) -> tuple[float, float, float]:
         """(tail, right, down) [kt]."""
@@ -143,6 +179,9 @@ class VerticalGust:
     peak_kt: float
     rise_s: float = 3.0
     hold_s: float = 4.0
+
+    def __post_init__(self) -> None:
+        _sensible(self, above_zero=("rise_s",))
 
     def wind_kt(self, t: float, altitude_ft: float) -> tuple[float, float, float]:
         """(tail, right, down) [kt]."""
@@ -202,11 +241,8 @@ class FlightPlan:
         self._within("delta_isa_k", self.delta_isa_k, -40.0, 40.0, "K")
         self._within("seed", self.seed, 0, 2**31 - 1, "")
         for wind in self.wind:
-            if isinstance(wind, WindRamp):
-                if wind.axis not in ("x", "z"):
-                    self._refuse(f"wind ramp along '{wind.axis}'", "the axes are x (tail) and z (down)")
-                if wind.rate_kt_s == 0.0 or wind.corner_s <= 0.0:
-                    self._refuse("a wind ramp without a rate or a corner", "both must be above 0")
+            if isinstance(wind, WindRamp) and wind.axis not in ("x", "z"):
+                self._refuse(f"wind ramp along '{wind.axis}'", "the axes are x (tail) and z (down)")
             if isinstance(wind, Turbulence):
                 self._within("turbulence severity", wind.severity, 1, 7, "")
 

@@ -185,12 +185,13 @@ def _fly(plan: FlightPlan, fdm: Any, progress: Callable[[float], None]) -> Recor
         if step >= settle and (step - settle) % STEPS_PER_FRAME == 0:
             frame = (step - settle) // STEPS_PER_FRAME
             rows[frame] = _row(fdm, frame * FRAME_PERIOD, surfaces)
-        if step % 625 == 0:
+        if step % STEPS_PER_FRAME == 0:
             _in_hand(plan, fdm, t)
+        if step % 625 == 0:
             progress(step / total)
     progress(1.0)
     names = tuple(name for name, _, _ in COLUMNS)
-    return Recording(names, tuple(np.ascontiguousarray(rows[:, i]) for i in range(len(names))), FRAME_PERIOD)
+    return Recording(names, tuple(rows.T), FRAME_PERIOD)
 
 
 def _set_wind(plan: FlightPlan, fdm: Any, t: float) -> None:

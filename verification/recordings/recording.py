@@ -29,12 +29,12 @@ SENSOR_INPUTS = ("alpha", "vc")
 INERTIAL_INPUTS = ("vg", "vz", "theta", "q", "ax", "az", "z")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recording:
     """A table of frames.
 
     ``names``: column names; ``columns``: one array (n,) for each name; ``period``: frame period [s].
-    Columns are not writable. Raises :class:`FlightError` E725 if the columns do not fit together.
+    Columns are copied and not writable. Raises :class:`FlightError` E725 if the columns do not fit together.
     """
 
     names: tuple[str, ...]
@@ -57,8 +57,11 @@ class Recording:
                 cause=f"shapes found: {sorted(lengths)}",
                 remedy="give columns of one length, at least 1",
             )
-        for column in self.columns:
+        object.__setattr__(self, "names", tuple(self.names))
+        columns = tuple(np.array(column, dtype=np.float64) for column in self.columns)
+        for column in columns:
             column.setflags(write=False)
+        object.__setattr__(self, "columns", columns)
 
     def __len__(self) -> int:
         """The number of frames n."""
@@ -82,13 +85,13 @@ class Recording:
     def with_columns(self, new: Mapping[str, Array]) -> Recording:
         """A recording with columns replaced (same name) or appended (new name)."""
         merged = dict(zip(self.names, self.columns, strict=True))
-        merged.update({name: np.array(column, dtype=np.float64) for name, column in new.items()})
+        merged.update(new)
         return Recording(tuple(merged), tuple(merged.values()), self.period)
 
     def part(self, start_s: float, end_s: float) -> Recording:
         """The frames with start_s <= time since the first frame < end_s, [s]."""
         first, last = round(start_s / self.period), round(end_s / self.period)
-        return Recording(self.names, tuple(column[first:last].copy() for column in self.columns), self.period)
+        return Recording(self.names, tuple(column[first:last] for column in self.columns), self.period)
 
     def inputs(self) -> dict[str, Array]:
         """The flagship's inputs as simulators take them.
@@ -241,7 +244,7 @@ def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
                 cause="every value of a recording is a number",
                 remedy="mend the value; a missing one is 'nan'",
             ) from None
-    return Recording(names, tuple(np.ascontiguousarray(table[:, i]) for i in range(len(names))), period)
+    return Recording(names, tuple(table.T), period)
 
 
 def _is_number(text: str) -> bool:
