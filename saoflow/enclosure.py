@@ -24,11 +24,14 @@ UNBOUNDED: Interval = (-math.inf, math.inf)
 
 @dataclass(frozen=True, slots=True)
 class Jet:
-    """Enclosures of f, f', f'' over an interval of x (for two variables: along x)."""
+    """Enclosures of f and its derivatives over an interval of x (for two variables: along x)."""
 
     value: Interval
     first: Interval
     second: Interval
+    third: Interval
+    second_at_middle: Interval
+    """Of the second derivative at the middle of the interval alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +59,7 @@ def ball_arithmetic(terms: int = 4) -> Iterator[None]:
 
 
 def enclose(formula: Formula, x: Interval, y: Interval | None = None) -> Jet:
-    """Rigorous enclosures of f, f' and f'' (along x) for every x in the interval, every y in its interval.
+    """Rigorous enclosures of f and its derivatives (along x) for every x in the interval, every y in its interval.
 
     Each is intersected with its mean-value form (Moore, Kearfott, Cloud, Introduction to Interval Analysis,
     2009), which loses little over a short interval. An enclosure is (-inf, inf) where the formula
@@ -67,8 +70,8 @@ def enclose(formula: Formula, x: Interval, y: Interval | None = None) -> Jet:
 
 def enclose_2d(formula: Formula, x: Interval, y: Interval) -> Jet2:
     """As :func:`enclose`, along both axes, over a rectangle."""
-    value_x, first_x, second_x = _along(formula, x, y, 1, 0)
-    value_y, first_y, second_y = _along(formula, x, y, 0, 1)
+    value_x, first_x, second_x, _, _ = _along(formula, x, y, 1, 0)
+    value_y, first_y, second_y, _, _ = _along(formula, x, y, 0, 1)
     value = (max(value_x[0], value_y[0]), min(value_x[1], value_y[1]))
     return Jet2(value, first_x, first_y, second_x, second_y)
 
@@ -90,28 +93,31 @@ def value_ball(formula: Formula, x: float, y: float = 0.0) -> Any:
 
 
 def _along(formula: Formula, x: Interval, y: Interval | None, dx: int, dy: int) -> tuple[Interval, ...]:
-    """Enclosures of the value, first and second derivative along the direction (dx, dy)."""
+    """Enclosures along the direction (dx, dy): of f and its first three derivatives, and of f'' at the middle."""
     from flint import arb, arb_series
 
     box_x, box_y = arb(x[0]).union(arb(x[1])), arb(0) if y is None else arb(y[0]).union(arb(y[1]))
-    # The mean-value form along the direction alone: the other variable stays a ball in both.
+    # The mean-value form goes along one axis: the other variable stays a ball in both.
     mid_x, mid_y = (box_x.mid() if dx else box_x), (box_y.mid() if dy else box_y)
     try:
         wide = _series(formula, arb_series([box_x, dx]), arb_series([box_y, dy]))
     except (ValueError, ZeroDivisionError):
-        return UNBOUNDED, UNBOUNDED, UNBOUNDED
-    values = [_interval(wide[i] * (1, 1, 2)[i]) for i in range(3)]
+        return (UNBOUNDED,) * 5
+    found = [_interval(wide[i] * _FACTORIAL[i]) for i in range(4)]
     if dx and dy:
-        return tuple(values)
+        return (*found, UNBOUNDED)
     try:
         centre = _series(formula, arb_series([mid_x, dx]), arb_series([mid_y, dy]))
     except (ValueError, ZeroDivisionError):
-        return tuple(values)
+        return (*found, UNBOUNDED)
     offset = box_x - mid_x if dx else box_y - mid_y
     for i in range(3):
-        mean = _interval((centre[i] + (i + 1) * wide[i + 1] * offset) * (1, 1, 2)[i])
-        values[i] = (max(values[i][0], mean[0]), min(values[i][1], mean[1]))
-    return tuple(values)
+        mean = _interval((centre[i] + (i + 1) * wide[i + 1] * offset) * _FACTORIAL[i])
+        found[i] = (max(found[i][0], mean[0]), min(found[i][1], mean[1]))
+    return (*found, _interval(centre[2] * 2))
+
+
+_FACTORIAL = (1, 1, 2, 6)
 
 
 def _interval(ball: Any) -> Interval:

@@ -35,6 +35,7 @@ class TabulateError(Exception):
 
     def __init__(self, code: str, message: str, cause: str, remedy: str) -> None:
         self.problem = TabulateProblem(code, message, cause, remedy)
+        self.code, self.message, self.cause, self.remedy = code, message, cause, remedy
         super().__init__(f"{code}: {message} ({cause}; {remedy})")
 
 
@@ -123,12 +124,13 @@ def _prepare(table: Table, dtype: np.dtype[Any]) -> PreparedTable:
             f"values {list(z.shape)}, breakpoints {[x.size for x in axes]}",
             "give one value for each breakpoint (row by row in two dimensions)",
         )
+    reciprocals: tuple[np.ndarray, ...] = ()
     with np.errstate(all="ignore"):
         rounded = tuple(_rounded(x, dtype) for x in axes)
         for x in rounded:
             _check_increasing(table.name, x)
         if len(axes) == 1:
-            slopes, reciprocals = np.append(np.diff(z) / np.diff(axes[0]), 0.0), ()
+            slopes = np.append(np.diff(z) / np.diff(axes[0]), 0.0)
         else:
             slopes = np.concatenate((np.diff(z, axis=1), np.zeros((z.shape[0], 1))), axis=1)
             reciprocals = tuple(_rounded(np.append(1.0 / np.diff(x), 0.0), dtype) for x in axes)

@@ -1,9 +1,10 @@
 """The proof of a table's error: a bound that holds at every input of the range, not at sampled ones.
 
-Linear interpolation between exact values errs by at most max|f''| h^2 / 8 on an interval of width h (de Boor, A
-Practical Guide to Splines, chapter III, (2)); bilinear by the sum of that along both axes; holding the left value by
-max|f'| h. The derivatives are enclosed with ball arithmetic (``enclosure.py``). To this come the rounding of the
-tabulated values, measured, and of the evaluation in binary64, bounded from the formula of ``table_evaluation.py``.
+Linear interpolation between exact values errs by f[a, u, b] (u - a) (b - u), at most max|f''| h^2 / 8 on an interval of
+width h (de Boor, A Practical Guide to Splines, chapter III); bilinear by the sum of that along both axes; holding the
+left value by max|f'| h. The derivatives are enclosed with ball arithmetic (``enclosure.py``). To this come the rounding
+of the tabulated values, measured, and of the evaluation in binary64, bounded from the formula of
+``table_evaluation.py``.
 
 A relative error is relative to max(\\|f(u)\\|, floor), floor = :data:`RELATIVE_FLOOR` times the largest tabulated
 value: at a zero of f no binary64 evaluation keeps a purely relative error.
@@ -14,10 +15,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
-from saoflow.enclosure import Interval, ball_arithmetic, enclose, enclose_2d, value_ball
+from saoflow.enclosure import Interval, Jet, ball_arithmetic, enclose, enclose_2d, value_ball
 from saoflow.formula import Formula, evaluate
 from saoflow.operations import Table
 from saoflow.table_evaluation import evaluate_table
@@ -94,41 +96,86 @@ def interval_error(
         step = abs(values[1] - values[0])
         # (1 + unit)^5 on the increment (two differences, quotient, difference, product), once more on the sum.
         rounding += 6.0 * _UNIT * step + 1.5 * _UNIT * max(map(abs, values)) + _UNDERFLOW * (1.0 + h)
-        method = magnitude(jet.second) * h * h / 8.0
-    else:
-        method = magnitude(jet.first) * h
-    if floor is None:
-        return _finite((method + rounding) * _UP)
-    scale = max(mignitude(jet.value), floor)
+    if not math.isfinite(rounding):
+        return math.inf
+    scale = 1.0 if floor is None else max(mignitude(jet.value), floor)
     if scale == 0.0:
-        return 0.0 if method + rounding <= 2.0 * _UNDERFLOW * (1.0 + h) else math.inf
-    relative = method / scale
-    if linear and floor > 0.0:
-        relative = min(relative, _near_zero(jet.second, jet.first, values, rounding, h, floor))
-    return _finite((relative + rounding / scale) * _UP)
+        steepest = magnitude(jet.first) * h
+        return 0.0 if steepest + rounding <= 2.0 * _UNDERFLOW * (1.0 + h) else math.inf
+    if linear:
+        growth = _growth(jet, values, rounding, floor) if floor else None
+        method = _interpolation_error(jet, h, scale, growth)
+    else:
+        method = magnitude(jet.first) * h / scale
+    return _finite((method + rounding / scale) * _UP)
 
 
-def _near_zero(
-    second: Interval, first: Interval, values: tuple[float, float], rounding: float, h: float, floor: float
-) -> float:
-    """A bound of the relative error of interpolation where |f| grows from one end of the interval to the other.
+@dataclass(frozen=True, slots=True)
+class _Growth:
+    """|f| grows across the interval: at distance t from its small end it is at least ``start + slope t``.
 
-    With t the distance from the small end, g0 = |f| there and m <= |f'|: the error is at most max|f''| t (h - t) / 2
-    and |f| at least g0 + m t; the quotient is largest at max|f''| h^2 / (2 (sqrt(g0) + sqrt(g0 + m h))^2). If the sign
-    changes just beside that end (f is -d there), the floor makes good for it: max(m t - d, floor) >= m t floor /
-    (floor + d).
+    If the sign changes just beside that end (f is -d there), the floor makes good for it: max(m t - d, floor) >= m t
+    floor / (floor + d), hence the ``excess`` (floor + d) / floor.
     """
+
+    start: float
+    slope: float
+    excess: float
+    from_left: bool
+
+
+def _growth(jet: Jet, values: tuple[float, float], rounding: float, floor: float) -> _Growth | None:
     near, far = sorted(range(2), key=lambda i: abs(values[i]))
     sign = math.copysign(1.0, values[far])
     outward = sign if near == 0 else -sign
-    slope = min(outward * first[0], outward * first[1])
+    slope = min(outward * jet.first[0], outward * jet.first[1])
     if not slope > 0.0:
-        return math.inf
+        return None
     start = sign * values[near]
-    low = max(start - rounding, 0.0)
-    below = max(rounding - start, 0.0)
-    root = math.sqrt(low) + math.sqrt(low + slope * h)
-    return magnitude(second) * h * h / (2.0 * root * root) * ((floor + below) / floor) * _UP if root else math.inf
+    excess = (floor + max(rounding - start, 0.0)) / floor * _UP
+    return _Growth(max(start - rounding, 0.0), slope, excess, near == 0)
+
+
+def _interpolation_error(jet: Jet, h: float, scale: float, growth: _Growth | None) -> float:
+    """A bound of the chord's error over the scale, the largest over pieces of the interval.
+
+    The error at distance t from the left end is t (h - t) / 2 times a mean of f'' with the second-order B-spline of
+    the three nodes as weight; the mean of its argument lies t / 3 - h / 6 from the middle. With the third derivative
+    in c +- r, that mean of f'' is f''(middle) + c (t / 3 - h / 6) +- r h / 2.
+    """
+    most = magnitude(jet.second)
+    if not math.isfinite(most):
+        return math.inf
+    low, high = jet.third
+    tilt, spread = 0.5 * (low + high), 0.5 * (high - low)
+    straight = math.isfinite(spread) and math.isfinite(magnitude(jet.second_at_middle))
+    worst = 0.0
+    for k in range(_PIECES):
+        t0, t1 = h * (k / _PIECES), h * ((k + 1) / _PIECES)
+        curvature = most
+        if straight:
+            # The ends of the piece, and the roundings of this line itself.
+            lean = max(abs(m + tilt * (t / 3.0 - h / 6.0)) for m in jet.second_at_middle for t in (t0, t1))
+            small = 2.0**-48 * (magnitude(jet.second_at_middle) + abs(tilt) * h)
+            curvature = min(most, lean + spread * h * 0.5 * _UP + small)
+        t = min(max(0.5 * h, t0), t1)
+        weight = t * (h - t) / scale
+        if growth is not None:
+            ends = (t0, t1) if growth.from_left else (h - t1, h - t0)
+            weight = min(weight, _growing_weight(growth, h, *ends) * growth.excess)
+        worst = max(worst, 0.5 * curvature * weight * _UP)
+    return worst
+
+
+_PIECES = 6
+
+
+def _growing_weight(growth: _Growth, h: float, t0: float, t1: float) -> float:
+    """The largest t (h - t) / (start + slope t) between t0 and t1: at one t inside, or at the end next to it."""
+    root = math.sqrt(growth.start)
+    t = min(max(h * root / (root + math.sqrt(growth.start + growth.slope * h)), t0), t1)
+    below = growth.start + growth.slope * t
+    return t * (h - t) / below if below > 0.0 and t > 0.0 else (h - t) / growth.slope
 
 
 def _finite(bound: float) -> float:
@@ -157,6 +204,24 @@ def cell_method_errors(
     if scale == 0.0:
         return (0.0, 0.0) if along_x + along_y <= _UNDERFLOW else (math.inf, math.inf)
     return _finite(along_x / scale * _UP), _finite(along_y / scale * _UP)
+
+
+def _cell_error(table: Table, formula: Formula, x: Interval, y: Interval, rounding: float) -> float:
+    """A bound of the error on one cell; the derivatives are enclosed piece by piece until the claim is met."""
+    floor = relative_floor(table)
+    scale = 1.0 if floor is None else max(mignitude(enclose_2d(formula, x, y).value), floor)
+    if scale == 0.0:
+        return math.inf if rounding > _UNDERFLOW * 16.0 else 0.0
+    bound = math.inf
+    for pieces in (1, 2, 4, 8):
+        # Along one axis the width is the cell's; only the other may be cut.
+        cut_x, cut_y = np.linspace(*x, pieces + 1).tolist(), np.linspace(*y, pieces + 1).tolist()
+        along_x = max(cell_method_errors(formula, x, c, table.linear, floor)[0] for c in pairwise(cut_y))
+        along_y = max(cell_method_errors(formula, c, y, table.linear, floor)[1] for c in pairwise(cut_x))
+        bound = min(bound, (along_x + along_y + rounding / scale) * _UP)
+        if bound <= table.error:
+            break
+    return bound
 
 
 def relative_floor(table: Table) -> float | None:
@@ -196,7 +261,7 @@ def _prove_2d(table: Table, formula: Formula) -> tuple[float, tuple[Interval, ..
     from flint import arb
 
     x, y = (axis.tolist() for axis in table.breakpoints)
-    z, floor = table.values, relative_floor(table)
+    z = table.values
     away = np.array([[deviation(value_ball(formula, a, b) - arb(float(z[i, j]))) for j, b in enumerate(y)]
                      for i, a in enumerate(x)])  # fmt: skip
     worst, where = -1.0, ((x[0], x[0]), (y[0], y[0]))
@@ -207,9 +272,7 @@ def _prove_2d(table: Table, formula: Formula) -> tuple[float, tuple[Interval, ..
             rounding = float(away[corners].max())
             if table.linear:
                 rounding += cell_rounding(float(np.abs(z[corners]).max()))
-            along_x, along_y = cell_method_errors(formula, *cell, table.linear, floor)
-            least = 1.0 if floor is None else max(mignitude(enclose_2d(formula, *cell).value), floor)
-            bound = (along_x + along_y + (rounding / least if least else 0.0)) * _UP
+            bound = _cell_error(table, formula, *cell, rounding)
             if bound > worst:
                 worst, where = bound, cell
     return worst, where

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -77,7 +78,7 @@ def _tabulate(
     name: str, formula: Formula, ends: tuple[Interval, ...], error: float, relative: bool, linear: bool
 ) -> Table:
     with ball_arithmetic():
-        _check_regular(name, formula, ends)
+        _check_regular(name, formula, ends, linear)
         scale = _scale(formula, ends) if relative else None
         # Half of the sampled scale, so that the floor stays below the one that the finished table defines.
         floor = None if scale is None else 0.5 * RELATIVE_FLOOR * scale
@@ -117,26 +118,37 @@ def _check_arguments(name: str, formula: Formula, ends: tuple[Interval, ...], er
         )
 
 
-def _check_regular(name: str, formula: Formula, ends: tuple[Interval, ...]) -> None:
-    """Refuse a formula whose second derivative is not bounded on the range: cover the range with finite enclosures."""
+def _check_regular(name: str, formula: Formula, ends: tuple[Interval, ...], linear: bool) -> None:
+    """Refuse a formula whose derivative is not bounded on the range: cover the range with finite enclosures."""
     boxes = [(ends, 0)]
     while boxes:
         box, depth = boxes.pop()
         y = box[1] if len(box) == 2 else None
-        if math.isfinite(magnitude(enclose(formula, box[0], y).second)):
+        jet = enclose(formula, box[0], y)
+        if math.isfinite(magnitude(jet.second if linear else jet.first)):
             continue
         axis = depth % len(box)
         low, high = box[axis]
         middle = 0.5 * low + 0.5 * high
         if depth >= _DEEPEST * len(box) or not low < middle < high:
-            raise _singular(name, formula, tuple(0.5 * a + 0.5 * b for a, b in box))
+            raise _singular(name, formula, tuple(map(_simplest, box, ends)), linear)
         for half in ((middle, high), (low, middle)):
             boxes.append(((half, *box[1:]) if axis == 0 else (box[0], half), depth + 1))
 
 
-def _singular(name: str, formula: Formula, point: tuple[float, ...]) -> TabulateError:
+def _simplest(box: Interval, ends: Interval) -> float:
+    """The most telling point of a tiny interval: zero, an end of the range, or its middle."""
+    for point in (0.0, *ends):
+        if box[0] <= point <= box[1]:
+            return point
+    return 0.5 * box[0] + 0.5 * box[1]
+
+
+def _singular(name: str, formula: Formula, point: tuple[float, ...], linear: bool) -> TabulateError:
     value = evaluate(formula, *point)
-    what = "is not defined" if math.isnan(value) else "or its second derivative is not bounded"
+    what = f"has no bounded {'second' if linear else 'first'} derivative"
+    if not math.isfinite(value):
+        what = "is not defined" if math.isnan(value) else "is infinite"
     place = ", ".join(f"{v} = {a:.6g}" for v, a in zip("xy", point, strict=False))
     return TabulateError(
         "E223",
@@ -154,7 +166,7 @@ def _scale(formula: Formula, ends: tuple[Interval, ...], samples: int = 65) -> f
 
 def _tabulate_1d(
     name: str, formula: Formula, ends: Interval, error: float, floor: float | None, linear: bool
-) -> tuple[tuple[np.ndarray], np.ndarray, float]:
+) -> tuple[tuple[np.ndarray, ...], np.ndarray, float]:
     _check_estimate(name, formula, ends, error, floor, linear)
     value_at = lru_cache(maxsize=8)(lambda x: nearest_value(formula, x))
 
@@ -177,7 +189,7 @@ def _check_estimate(
     """Refuse at once what would need far too many points (a guess from sampled derivatives, generous by half)."""
     edges = np.linspace(*ends, samples + 1)
     needed = 0.0
-    for a, b in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+    for a, b in pairwise(edges.tolist()):
         middle = 0.5 * a + 0.5 * b
         jet = enclose(formula, (middle, middle))
         local = error * (1.0 if floor is None else max(mignitude(jet.value), floor))
@@ -256,46 +268,52 @@ class _March:
             bound = self.bound(a, b)
             if bound <= self.error:
                 best = (b, bound) if best is None or b > best[0] else best
-                if b == stop or bound >= 0.95 * self.error or attempt >= 5:
+                if b == stop or bound >= 0.975 * self.error or attempt >= 5:
                     return best
             elif best is not None:
                 return best
-            ratio = 0.985 * self.error / bound if bound > 0.0 else math.inf
+            ratio = 0.992 * self.error / bound if bound > 0.0 else math.inf
             step = (b - a) * min(max(ratio ** (1.0 / self.order), 0.05), 4.0)
         if best is not None:
             return best
-        raise TabulateError(
-            "E223",
-            f"the error of table {self.name} cannot be proved",
-            f"near {a:.6g} no interval is short enough for an error of {self.error:g}: rounding in binary64 "
-            "alone exceeds it",
-            "allow a larger error",
-        )
+        raise _below_rounding(self.name, f"near {a:.6g}", self.error)
+
+
+def _below_rounding(name: str, where: str, error: float) -> TabulateError:
+    return TabulateError(
+        "E223",
+        f"the error of table {name} cannot be proved",
+        f"{where}, rounding in binary64 alone exceeds an error of {error:g}",
+        "allow a larger error",
+    )
 
 
 def _tabulate_2d(
     name: str, formula: Formula, ends: tuple[Interval, ...], error: float, floor: float | None, linear: bool
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, float]:
-    """A grid: half of the error to each axis, which is best for the number of values (each goes as error^-1/2)."""
-    rounding = 1.01 * cell_rounding(_scale(formula, ends)) if linear else 0.0
-    rounding += 2.0**-53 * 2.0 * _scale(formula, ends)
-    share = 0.5 * (error - (rounding if floor is None else rounding / floor))
-    if not share > 0.0:
-        share = 0.0
+) -> tuple[tuple[np.ndarray, ...], np.ndarray, float]:
+    """A grid: half of the error to each axis, best for the number of values (each count goes as error^-1/2).
 
-    def strip(axis: int, pieces: Sequence[Interval]) -> Callable[[float, float], float]:
+    An axis along which the formula is straight leaves its half to the other.
+    """
+    largest = 1.01 * _scale(formula, ends)
+    rounding = 2.0**-52 * largest + (cell_rounding(largest) if linear else 0.0)
+    spare = error - (rounding if floor is None else rounding / floor)
+    if not spare > 0.0:
+        raise _below_rounding(name, "everywhere", error)
+
+    def strip(axis: int, other: Sequence[float]) -> Callable[[float, float], float]:
         def bound(a: float, b: float) -> float:
-            boxes = (((a, b), piece) if axis == 0 else (piece, (a, b)) for piece in pieces)
+            boxes = (((a, b), piece) if axis == 0 else (piece, (a, b)) for piece in pairwise(other))
             return max(cell_method_errors(formula, *box, linear, floor)[axis] for box in boxes)
 
         return bound
 
     order = 2 if linear else 1
-    cuts = np.linspace(*ends[1], 33).tolist()
-    x, bound_x = _March(name, strip(0, list(zip(cuts, cuts[1:], strict=False))), share, order, MOST_POINTS).run(
-        ends[0][0], [ends[0][1]]
-    )
-    cells = list(zip(x, x[1:], strict=False))
-    y, bound_y = _March(name, strip(1, cells), share, order, MOST_POINTS // len(x)).run(ends[1][0], [ends[1][1]])
+    cuts_x, cuts_y = (np.linspace(*end, 33).tolist() for end in ends)
+    whole_y = strip(1, cuts_x)(*ends[1])
+    share = spare - whole_y if whole_y <= 0.1 * spare else 0.5 * spare
+    x, bound_x = _March(name, strip(0, cuts_y), share, order, MOST_POINTS).run(ends[0][0], [ends[0][1]])
+    share = spare - bound_x
+    y, bound_y = _March(name, strip(1, x), share, order, MOST_POINTS // len(x)).run(ends[1][0], [ends[1][1]])
     values = np.array([[nearest_value(formula, a, b)[0] for b in y] for a in x])
-    return (np.array(x), np.array(y)), values, bound_x + bound_y + (error - 2.0 * share)
+    return (np.array(x), np.array(y)), values, bound_x + bound_y + (error - spare)
