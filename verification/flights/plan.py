@@ -210,9 +210,9 @@ Wind = SteadyWind | WindRamp | WindShear | VerticalGust | Turbulence
 class FlightPlan:
     """One flight. Raises :class:`FlightError` E702 (aircraft) or E705 (anything else) if it makes no sense.
 
-    ``cas_kt`` [kt] and ``altitude_ft`` [ft pressure altitude in the standard atmosphere] at the start, level;
-    ``duration_s`` [s] recorded; manoeuvres and winds add up; ``seed`` drives the turbulence alone;
-    ``delta_isa_k`` [K] shifts the temperature of the whole atmosphere.
+    ``cas_kt`` [kt] and ``altitude_ft`` [ft above sea level] at the start, level; ``duration_s`` [s] recorded;
+    manoeuvres and winds add up; ``seed`` drives the turbulence alone; ``delta_isa_k`` [K] shifts the temperature
+    at every height (so that pressure altitude and altitude above sea level differ).
     """
 
     name: str

@@ -151,3 +151,15 @@ def test_another_jsbsim_is_refused(monkeypatch):
     monkeypatch.setattr(jsbsim, "__version__", "1.1.0")
     with pytest.raises(FlightError, match=r"needs jsbsim 1\.3\.3"):
         record(ROUGH)
+
+
+def test_away_from_the_standard_temperature_formula_16_errs_by_several_knots():
+    """The paper's (16) takes the standard temperature; the recordings' README gives this number."""
+    r = record(replace(find_flight("a320_hot_280kt_20000ft"), duration_s=2.0))
+    temperature = 288.15 - 0.0065 * r["z"]
+    height = 6096.0 * 6356766.0 / (6356766.0 + 6096.0)  # 20 000 ft as geopotential height, m
+    assert r["temperature_true"] == pytest.approx(288.15 - 0.0065 * height + 15.0, abs=0.05)
+    pressure = (temperature / 288.15) ** (9.80665 / (0.0065 * 287.05287))
+    dynamic = ((1 + (r["vt_true"] * 1852 / 3600) ** 2 / (7.0 * 287.05287 * temperature)) ** 3.5 - 1) * pressure
+    vc = np.sqrt(7.0 * 287.05287 * 288.15 * ((dynamic + 1) ** (1 / 3.5) - 1)) * 3600 / 1852
+    assert vc - r["vc_true"] == pytest.approx(7.5, abs=0.1)
