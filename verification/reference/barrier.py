@@ -18,7 +18,7 @@ class Room:
 
     lower: Array  # Delta x^LB = lb - x
     upper: Array  # Delta x^UB = ub - x
-    floor: Array  # (4,), the least distance
+    floor: Array  # (4,), the least distance: a point nearer to a bound counts as this far inside
 
     def distances(self, step: Array) -> tuple[Array, Array]:
         """Return d1 = Delta x^UB - Delta x and d2 = Delta x - Delta x^LB, not below the floor."""

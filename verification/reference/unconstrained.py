@@ -17,9 +17,7 @@ from verification.reference.tuning import Tuning
 def unconstrained(qp: QuadraticProgram, tuning: Tuning) -> list[Iteration]:
     """Return the one step of UMHE, as an iteration with kappa = 0, step length 1 and no margin to lose."""
     Q_bar = np.tile(tuning.Q, (len(qp.u), 1))
-    problem = EqualityProblem(
-        tuning.P, qp.A, tuning.t_s, qp.C, Q_bar, tuning.R, np.zeros(4), qp.r_u, qp.r_y, -qp.f
-    )
+    problem = EqualityProblem(tuning.P, qp.A, tuning.t_s, qp.C, Q_bar, tuning.R, np.zeros(4), qp.r_u, qp.r_y, -qp.f)
     dx, du = search_direction(problem)
     start = np.zeros_like(dx), np.zeros_like(du)
     return [Iteration(0.0, *start, dx, du, 0.0, 1.0, np.inf, dx, du)]
