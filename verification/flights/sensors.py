@@ -70,7 +70,7 @@ def sensors(
     act in the order given, missing samples last. Raises :class:`FlightError` E711 or E714 for one that starts
     after the end, E713 for a bad seed.
     """
-    if not isinstance(seed, int) or seed < 0:
+    if not isinstance(seed, int | np.integer) or seed < 0:
         raise FlightError("E713", f"seed {seed}", cause="seeds are whole numbers from 0", remedy="choose another")
     n = len(recording)
     streams = (*INERTIAL_INPUTS, *(f"{sensor}_{i}" for sensor in SENSORS for i in (1, 2, 3)))
