@@ -93,6 +93,8 @@ def parse_at(text: str, locate: Locate) -> Expression:
         return Name(text, locate(0, len(text)))
     if _PLAIN_NUMBER.fullmatch(text):
         return Number(_finite(text, 0), locate(0, len(text)))
+    if text[:1] == "-" and _PLAIN_NAME.fullmatch(text, 1) and text.isascii():
+        return Unary("-", Name(text[1:], locate(1, len(text) - 1)), locate(0, len(text)))
     if len(text) > LONGEST:
         raise ExpressionFailure(
             f"an expression of {len(text)} characters", 0, 1, f"at most {LONGEST} are read", "split it up"

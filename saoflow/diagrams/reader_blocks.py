@@ -33,7 +33,7 @@ def _block(values: ValueReader, key: Scalar, node: Node) -> Block | None:
     """One block: its first key is the symbol or sheet, or ``fold`` or ``map``."""
     name = values.name(key, "a block")
     if type(node) is not Mapping:
-        values.wrong_kind(node, f"the block `{short(key.value)}`", _HOW)
+        values.wrong_kind(node, f"the block `{short(key.value)}`", "a mapping", _HOW)
         return None
     if not node.entries or node.entries[0][0].value == "doc":
         at: Node = node.entries[0][0] if node.entries else node
@@ -129,7 +129,7 @@ def _iteration(values: ValueReader, name: Named, node: Mapping) -> IterationDecl
         elif key.value == "count":
             count = values.expression(value, "`count`")
             if isinstance(count, Array):
-                values.wrong_kind(value, "`count`", "write a whole number or an expression")
+                values.wrong_kind(value, "`count`", "a number", "write a whole number or an expression")
         elif key.value == "order":
             order = values.choice(value, "order", ("forward", "reverse"))
             reverse = order is not None and order.text == "reverse"

@@ -35,7 +35,7 @@ class ValueReader:
     def name(self, node: Node, what: str) -> Named | None:
         """The name of something that is declared; ``what`` says of what ("a block")."""
         if type(node) is not Scalar:
-            self.wrong_kind(node, f"the name of {what}", "write a name")
+            self.wrong_kind(node, f"the name of {what}", "a word", "write a name")
             return None
         text = node.value
         if text.isidentifier() and len(text) <= LONGEST_NAME and not node.nothing:
@@ -53,7 +53,7 @@ class ValueReader:
         """The text of a scalar (``doc``, ``equations``, ``source``); nothing is an empty text."""
         if type(node) is Scalar:
             return "" if node.nothing else node.value
-        self.wrong_kind(node, what, "write text; put text with brackets or braces into quotes")
+        self.wrong_kind(node, what, "text", "write text; put text with brackets or braces into quotes")
         return None
 
     def choice(self, node: Node, what: str, choices: Collection[str]) -> Named | None:
@@ -71,24 +71,24 @@ class ValueReader:
                 near or f"write {listed}",
             )
         else:
-            self.wrong_kind(node, what, f"write {listed}")
+            self.wrong_kind(node, what, "a word", f"write {listed}")
         return None
 
     # ------------------------------------------------------------ collections
 
-    def wrong_kind(self, node: Node, what: str, remedy: str) -> None:
-        """The diagnosis for a value of the wrong kind (E108)."""
+    def wrong_kind(self, node: Node, what: str, wanted: str, remedy: str) -> None:
+        """The diagnosis for a value of the wrong kind (E108); ``wanted`` says what belongs there."""
         found = "a list" if type(node) is Sequence else "a mapping" if type(node) is Mapping else ""
         if type(node) is Scalar:
             found = "nothing" if node.nothing else f"`{short(node.value)}`"
-        self.report("E108", f"{what} cannot be {found}", node, "the value has the wrong kind", remedy)
+        self.report("E108", f"{what} cannot be {found}", node, f"{wanted} should stand here", remedy)
 
     def entries(self, node: Node, what: str, remedy: str) -> Iterator[tuple[Scalar, Node]]:
         """The entries of a mapping; nothing counts as an empty one."""
         if type(node) is Mapping:
             yield from node.entries
         elif not (type(node) is Scalar and node.nothing):
-            self.wrong_kind(node, what, remedy)
+            self.wrong_kind(node, what, "`key: value` entries", remedy)
 
     def unknown_key(self, key: Scalar, what: str, known: Collection[str]) -> None:
         """The diagnosis for a key that is none of ``known`` (E106)."""
@@ -124,7 +124,7 @@ class ValueReader:
         if type(node) is Sequence:
             items = [self.expression(item, what) for item in node.items]
             return Array(tuple(i for i in items if i is not None), self.source.position(node))
-        self.wrong_kind(node, what, "write an expression or a list of expressions")
+        self.wrong_kind(node, what, "an expression", "write an expression or a list of expressions")
         return None
 
     def connections(self, node: Node, what: str) -> tuple[Connection, ...]:
@@ -143,7 +143,9 @@ class ValueReader:
         if name is None:
             return None
         if type(node) is Mapping:
-            self.wrong_kind(node, f"`{name.text}`", "write an expression, a word or a list")
+            self.wrong_kind(
+                node, f"`{name.text}`", "an expression, a word or a list", "write an expression, a word or a list"
+            )
             return None
         if type(node) is Scalar and node.nothing:
             self.report("E108", f"`{name.text}` has no value", key, "nothing stands after the key", "write a value")
@@ -163,7 +165,7 @@ class ValueReader:
         if type(node) is Sequence:
             items = [self._expression_or_text(item, self.source.position(item)) for item in node.items]
             return Array(tuple(items), position)
-        self.wrong_kind(node, "an element of a list", "write an expression or a word")
+        self.wrong_kind(node, "an element of a list", "an expression or a word", "write an expression or a word")
         return Text("", position)
 
     # ------------------------------------------------------------ units
@@ -174,7 +176,9 @@ class ValueReader:
             items = [self.unit(item) for item in node.items]
             return UnitText(tuple(i for i in items if i is not None), self.source.position(node))
         if type(node) is Mapping or (type(node) is Scalar and node.nothing):
-            self.wrong_kind(node, "a unit", "write a unit such as kt/s, 1 for none, or leave the key out")
+            self.wrong_kind(
+                node, "a unit", "text or a list", "write a unit such as kt/s, 1 for none, or leave the key out"
+            )
             return None
         place = self.source.locator(node)(0, len(node.value))
         try:
