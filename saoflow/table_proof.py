@@ -45,7 +45,7 @@ class TableError:
     points: int
     """How many values are stored."""
     sampled: float
-    """The largest error found by sampling every interval: how sharp the proof is."""
+    """The largest error found by sampling every interval: how sharp the proof is. The comparison rounds, by an ulp of f."""
     sampled_at: tuple[float, ...]
     relative: bool
 
