@@ -1,0 +1,156 @@
+"""The numbers of a sheet's parameters: given where the sheet is used, inherited, or defaults."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from saoflow.diagnosis import Position, did_you_mean
+from saoflow.diagrams.expression_value import Quantity
+from saoflow.diagrams.scope import Scope
+from saoflow.diagrams.sheet import Argument, ParameterDeclaration, Sheet
+from saoflow.units import Unit, conversion_hint
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterValues:
+    """Every parameter of a sheet with its value; ``broken``: those that are already diagnosed."""
+
+    values: tuple[tuple[str, Quantity], ...]
+    broken: tuple[str, ...] = ()
+
+
+def key_of(values: ParameterValues) -> object:
+    """Equal for equal numbers and units: the key under which a structure is remembered."""
+    return tuple(
+        (name, np.asarray(q.array, dtype=np.float64).tobytes(), np.shape(q.array), q.unit, q.text)
+        for name, q in values.values
+    )
+
+
+def settle(
+    scope: Scope, sheet: Sheet, arguments: Sequence[Argument], extra: Mapping[str, Quantity], used: Position
+) -> ParameterValues | None:
+    """The parameters of ``sheet`` where it is used in the sheet of ``scope``; None after a diagnosis.
+
+    ``extra`` holds names that only the arguments may use (``index`` of a fold).
+    """
+    names = {**scope.parameters, **extra}
+    given: dict[str, Quantity] = {}
+    fine = True
+    declared = {p.name.text: p for p in sheet.parameters}
+    for argument in arguments:
+        name = argument.name.text
+        if name not in declared:
+            near = did_you_mean(name, [*declared, *(i.name.text for i in sheet.inputs)])
+            scope.report(
+                "E206",
+                f"`{sheet.name.text}` has no parameter `{name}`",
+                argument.name.position,
+                f"its parameters are: {', '.join(declared) or 'none'}",
+                near or "leave it out",
+            )
+            fine = False
+            continue
+        quantity = _argument(scope, argument, names)
+        checked = None if quantity is None else _with_unit(scope, quantity, declared[name], argument.position)
+        fine = fine and checked is not None
+        if checked is not None:
+            given[name] = checked
+    values = complete(scope, sheet, given, scope.parameters, used, set(scope.broken_parameters))
+    return values if fine and not values.broken else None
+
+
+def _argument(scope: Scope, argument: Argument, names: Mapping[str, Quantity]) -> Quantity | None:
+    if argument.value is None:
+        scope.report(
+            "E111",
+            f"`{argument.name.text}` is no expression",
+            argument.position,
+            f"`{argument.text}` cannot be read as numbers, parameters and + - * / ^",
+            "write a number or an expression of parameters",
+        )
+        return None
+    return scope.value_of(argument.value, names)
+
+
+def complete(
+    scope: Scope,
+    sheet: Sheet,
+    given: Mapping[str, Quantity],
+    around: Mapping[str, Quantity],
+    used: Position | None,
+    silent: set[str],
+) -> ParameterValues:
+    """Add inherited values and defaults to what is given. Defaults may use the parameters declared before them.
+
+    ``silent`` names parameters around whose absence is already diagnosed.
+    """
+    values: dict[str, Quantity] = {}
+    broken: list[str] = []
+    for declaration in sheet.parameters:
+        name = declaration.name.text
+        quantity: Quantity | None = None
+        if name in given:
+            quantity = given[name]
+        elif declaration.value is not None:
+            quantity = scope.value_of(declaration.value, values)
+            if quantity is not None:
+                quantity = _with_unit(scope, quantity, declaration, declaration.value.position)
+        elif declaration.inherited and name in around:
+            quantity = _with_unit(scope, around[name], declaration, declaration.name.position)
+        elif name not in silent:
+            _no_value(scope, sheet, declaration, used)
+        if quantity is None:
+            broken.append(name)
+            scope.broken_parameters.add(name)
+        else:
+            values[name] = quantity
+    return ParameterValues(tuple(values.items()), tuple(broken))
+
+
+def _no_value(scope: Scope, sheet: Sheet, declaration: ParameterDeclaration, used: Position | None) -> None:
+    name = declaration.name.text
+    where = declaration.name.position if used is None else used
+    if declaration.inherited:
+        cause = "it is inherited from the sheet that uses this one"
+        cause += ", and that sheet has no such parameter" if used is not None else ", and none does here"
+        remedy = (
+            f"declare `{name}` there"
+            if used is not None
+            else f"open the sheet that uses it, or give --set {name}=VALUE"
+        )
+    else:
+        cause = "the sheet declares it without a default"
+        remedy = f"give it: {{{sheet.name.text}: [...], {name}: 1}}" if used is not None else f"give --set {name}=VALUE"
+    scope.report("E207", f"parameter `{name}` of `{sheet.name.text}` has no value", where, cause, remedy)
+
+
+def _with_unit(
+    scope: Scope, quantity: Quantity, declaration: ParameterDeclaration, position: Position
+) -> Quantity | None:
+    """The value in the declared unit: taken over if the value states none, checked if it does."""
+    if declaration.unit is None or quantity.text is not None:
+        return quantity
+    from saoflow.diagrams.declarations import units_of
+
+    units = units_of(scope, declaration.unit)
+    if units is None:
+        return None
+    stated = quantity.unit
+    if stated is None:
+        return replace(quantity, unit=units)
+    if stated != units and isinstance(stated, Unit) and isinstance(units, Unit):
+        if stated.dimensionless:
+            return replace(quantity, unit=units)
+        scope.report(
+            "E211",
+            f"parameter `{declaration.name.text}` has another unit",
+            position,
+            f"{stated} is given, {units} is declared: {conversion_hint(stated, units)}",
+            f"convert it with a factor in {units / stated}, or correct the unit that is wrong",
+        )
+        return None
+    return quantity

@@ -1,0 +1,95 @@
+"""What a name means inside one sheet: an input, a block's outputs, a fold's instances, or a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from saoflow.diagnosis import Diagnoses, Diagnosis, DiagnosisError, Note, Position, did_you_mean
+from saoflow.diagrams.expression import Expression
+from saoflow.diagrams.expression_value import Quantity, evaluate
+from saoflow.diagrams.netlist import POISON, Node, SourceLines
+
+
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """The output wires of one block by port name; of a fold or map, of each instance."""
+
+    instances: tuple[dict[str, int], ...]
+    stacked: bool
+    """True for a fold or map: its outputs are stacks."""
+
+    @property
+    def names(self) -> list[str]:
+        """The port names."""
+        return list(self.instances[0]) if self.instances else []
+
+
+POISONED = Ports((), False)
+"""The ports of a block that is already diagnosed."""
+
+
+@dataclass(slots=True)
+class Scope:
+    """The names of one sheet, and the nodes and wires made so far."""
+
+    file: str
+    sources: SourceLines
+    found: Diagnoses
+    inputs: dict[str, int] = field(default_factory=dict)
+    blocks: dict[str, Ports] = field(default_factory=dict)
+    parameters: dict[str, Quantity] = field(default_factory=dict)
+    broken_parameters: set[str] = field(default_factory=set)
+    nodes: list[Node] = field(default_factory=list)
+    wire_count: int = 0
+    constants: dict[str, int] = field(default_factory=dict)
+    """Wires of parameters that are used as constants."""
+
+    def new_wire(self) -> int:
+        """The number of a further wire."""
+        self.wire_count += 1
+        return self.wire_count - 1
+
+    def report(
+        self,
+        code: str,
+        message: str,
+        position: Position | None,
+        cause: str,
+        remedy: str,
+        label: str = "",
+        notes: Iterable[Note] = (),
+    ) -> int:
+        """Remember a diagnosis; returns POISON, so that a caller can return it as the wire."""
+        self.found.add(
+            Diagnosis(code, message, position, cause, remedy, label, tuple(notes), self.sources.line(position))
+        )
+        return POISON
+
+    def value_of(self, expression: Expression, names: Mapping[str, Quantity] | None = None) -> Quantity | None:
+        """The value of an expression of parameters; None after a diagnosis."""
+        names = self.parameters if names is None else names
+        try:
+            return evaluate(expression, names, self.sources.lines(expression.position.file))
+        except DiagnosisError as error:
+            for diagnosis in error.diagnoses:
+                if not any(f"`{name}`" in diagnosis.message for name in self.broken_parameters):
+                    self.found.add(diagnosis)
+            return None
+
+    def known(self) -> list[str]:
+        """Every name of the sheet, for did-you-mean."""
+        return [*self.inputs, *self.blocks, *self.parameters]
+
+    def unknown_wire(self, name: str, position: Position) -> int:
+        """Diagnose a name that means nothing here."""
+        if name in self.broken_parameters:
+            return POISON
+        near = did_you_mean(name, self.known())
+        return self.report(
+            "E202",
+            f"unknown wire `{name}`",
+            position,
+            "the sheet has no input, block or parameter of that name",
+            near or "declare it, or correct the name",
+        )

@@ -1,0 +1,90 @@
+"""Finding sheets by name: beside the sheet that uses them, in the library, among the shipped sheets."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+
+from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
+from saoflow.diagrams.netlist import SourceLines
+from saoflow.diagrams.reader import read_sheet
+from saoflow.diagrams.sheet import Sheet
+
+SHIPPED = Path(__file__).parent
+LIBRARY = SHIPPED / "library"
+
+
+class SheetStore:
+    """Reads each sheet once. Never looks outside the folder of the sheet named by the user and the shipped sheets."""
+
+    def __init__(self) -> None:
+        self.sources = SourceLines()
+        self._sheets: dict[Path, Sheet | DiagnosisError] = {}
+
+    @cached_property
+    def shipped(self) -> dict[str, Path]:
+        """The shipped sheets by name; the library first."""
+        found: dict[str, Path] = {}
+        folders = [LIBRARY, *sorted(p for p in SHIPPED.iterdir() if p.is_dir() and p != LIBRARY)]
+        for folder in folders:
+            for path in sorted(folder.glob("*.yaml")):
+                found.setdefault(path.stem, path)
+        return found
+
+    def open(self, name: str) -> Sheet:
+        """The sheet that a user names: a path, or the name of a shipped sheet. Raises DiagnosisError E602 and others."""
+        if name in self.shipped and not Path(name).exists():
+            return self._read(self.shipped[name])
+        path = Path(name)
+        if path.suffix in (".yaml", ".yml") or path.exists():
+            return self._read(path)
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E602",
+                    f"there is no sheet `{name}`",
+                    cause="it is neither a path to a YAML file nor the name of a shipped sheet",
+                    remedy=did_you_mean(name, self.shipped) or f"shipped sheets: {', '.join(sorted(self.shipped))}",
+                )
+            ]
+        )
+
+    def names_beside(self, user: Sheet) -> list[str]:
+        """The sheets that ``user`` may use, for did-you-mean."""
+        folder = Path(user.file).parent
+        beside = [p.stem for p in folder.glob("*.yaml")] if folder.is_dir() else []
+        return sorted({*beside, *self.shipped})
+
+    def find(self, name: str, user: Sheet) -> Sheet | None:
+        """The sheet that ``user`` names, or None if there is none. Raises DiagnosisError if it cannot be read."""
+        if not name.isidentifier():
+            return None
+        beside = Path(user.file).parent / f"{name}.yaml"
+        if beside.is_file():
+            return self._read(beside)
+        if name in self.shipped:
+            return self._read(self.shipped[name])
+        return None
+
+    def _read(self, path: Path) -> Sheet:
+        key = path.resolve()
+        if key not in self._sheets:
+            try:
+                sheet = read_sheet(_shown(path))
+                self.sources.add(sheet.file, sheet.lines)
+                self._sheets[key] = sheet
+            except DiagnosisError as error:
+                self._sheets[key] = error
+        found = self._sheets[key]
+        if isinstance(found, DiagnosisError):
+            raise found
+        return found
+
+
+def _shown(path: Path) -> Path:
+    """A path as messages show it: relative to the working folder where that is shorter."""
+    try:
+        short = path.resolve().relative_to(Path.cwd())
+    except ValueError:
+        return path
+    return short if not path.is_absolute() or len(str(short)) < len(str(path)) else path

@@ -1,0 +1,306 @@
+"""From a structure and the types of its inputs to a body: the shape and unit of every wire, checked.
+
+Nodes are typed when all their operands are. A delay whose shape is not declared waits for its input; where a loop makes
+it wait for itself, its initial value decides. What still waits then hangs on an algebraic loop, unless a call of a
+sub-sheet only seems to close the loop: then the sub-sheet is laid out in place.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+from saoflow.blocks.delay import Delay, merge_units
+from saoflow.blocks.symbol import SymbolProblem
+from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
+from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, SourceLines, Structure
+from saoflow.diagrams.splice import laid_out
+from saoflow.units import conversion_hint, first_mismatch
+from saoflow.wires import WireType, shape_text
+
+InputTypes = tuple[WireType, ...]
+
+
+class Typer:
+    """Types structures; the same structure with the same input types is typed once."""
+
+    def __init__(self, found: Diagnoses, sources: SourceLines) -> None:
+        self.found = found
+        self.sources = sources
+        self._bodies: dict[tuple[int, InputTypes], Body] = {}
+        self._uses: list[Note] = []
+        self._kept: list[Structure] = []
+
+    def body(self, structure: Structure, inputs: InputTypes) -> Body:
+        """The body of a structure; wires that cannot be typed stay None (all reasons but loops are diagnosed)."""
+        key = (id(structure), inputs)
+        if key not in self._bodies:
+            self._kept.append(structure)
+            self._bodies[key] = _StructureTyper(self, structure, inputs).run()
+        return self._bodies[key]
+
+    def call(self, node: Node, inputs: InputTypes) -> Body:
+        """The body that a node calls, typed in the context of its use."""
+        assert node.child is not None
+        self._uses.append(Note(f"in `{node.path}`, used here", node.position))
+        body = self.body(node.child, inputs)
+        self._uses.pop()
+        return body
+
+    def report(self, problem: SymbolProblem, position: Position | None, notes: Iterable[Note]) -> None:
+        """A symbol's refusal as a diagnosis."""
+        self.found.add(
+            Diagnosis(
+                problem.code,
+                problem.message,
+                position,
+                problem.cause,
+                problem.remedy,
+                "",
+                (*notes, *self._uses[-1:]),
+                self.sources.line(position),
+            )
+        )
+
+
+class _StructureTyper:
+    def __init__(self, typer: Typer, structure: Structure, inputs: InputTypes) -> None:
+        self.typer = typer
+        self.inputs = inputs
+        self._restart(structure)
+
+    def _restart(self, structure: Structure) -> None:
+        self.structure = structure
+        self.types: list[WireType | None] = [None] * structure.wire_count
+        self.children: list[Body | None] = [None] * len(structure.nodes)
+        self.produced_by: dict[int, int] = {w: i for i, node in enumerate(structure.nodes) for w in node.outputs}
+        self.assumed: set[int] = set()
+
+    def run(self) -> Body:
+        while True:
+            self._input_types()
+            stuck = self._spread()
+            calls = [i for i in stuck if self.structure.nodes[i].child is not None]
+            in_loop = self._in_loops(stuck) if calls else set()
+            dissolve = {i for i in calls if i in in_loop}
+            if not dissolve:
+                break
+            self._restart(laid_out(self.structure, dissolve))
+        self._refine_delays()
+        self._check_delays()
+        self._output_types()
+        return Body(self.structure, tuple(self.types), tuple(self.children))
+
+    def _input_types(self) -> None:
+        for port, wire in zip(self.structure.inputs, self.inputs, strict=True):
+            self.types[port.wire] = wire
+
+    def _spread(self) -> list[int]:
+        """Type every node that can be typed; returns those that wait for ever."""
+        nodes = self.structure.nodes
+        waiting = [0] * len(nodes)
+        users: dict[int, list[int]] = {}
+        for i, node in enumerate(nodes):
+            for wire in {w for w in node.inputs if w is not None}:
+                if wire == POISON or self.types[wire] is None:
+                    waiting[i] += 1
+                    users.setdefault(wire, []).append(i)
+        done = [False] * len(nodes)
+        ready = deque(i for i in range(len(nodes)) if not waiting[i])
+        hidden = [i for i, node in enumerate(nodes) if isinstance(node.symbol, Delay) and waiting[i]]
+        delays = deque(sorted(hidden, key=lambda i: nodes[i].configuration.shape is None))
+        while True:
+            while ready:
+                i = ready.popleft()
+                if done[i]:
+                    continue
+                done[i] = True
+                for wire in self._type_node(i, nodes[i]):
+                    for user in users.get(wire, ()):
+                        waiting[user] -= 1
+                        if not waiting[user]:
+                            ready.append(user)
+            while delays and done[delays[0]]:
+                delays.popleft()
+            if not delays:
+                break
+            guess = delays.popleft()
+            self.assumed.add(guess)
+            ready.append(guess)
+        return [i for i in range(len(nodes)) if not done[i]]
+
+    def _type_node(self, i: int, node: Node) -> Iterable[int]:
+        """Type one node; returns the wires that are now known."""
+        known = tuple(None if w is None or w == POISON else self.types[w] for w in node.inputs)
+        if node.symbol is None:
+            body = self.typer.call(node, self._port_types(node, known))
+            self.children[i] = body
+            found: list[WireType | None] = [
+                None if p.wire == POISON else body.types[p.wire] for p in body.structure.outputs
+            ]
+        else:
+            try:
+                found = [node.symbol.output_type(known, node.configuration)]
+            except SymbolProblem as problem:
+                self._refuse(node, problem, known)
+                found = [None]
+        spread = []
+        for wire, wire_type in zip(node.outputs, found, strict=True):
+            if wire_type is not None:
+                self.types[wire] = wire_type
+                spread.append(wire)
+        return spread
+
+    def _port_types(self, node: Node, known: tuple[WireType | None, ...]) -> InputTypes:
+        assert node.child is not None
+        result = []
+        for port, wire, position in zip(node.child.inputs, known, node.operand_positions, strict=True):
+            assert wire is not None
+            result.append(self._check_port(port, wire, position))
+        return tuple(result)
+
+    def _check_port(self, port: InputPort, wire: WireType, position: Position | None) -> WireType:
+        declared_here = Note(f"input `{port.name}` is declared here", port.position)
+        if port.boolean != wire.boolean:
+            kind = "boolean" if port.boolean else "real"
+            problem = SymbolProblem(
+                "E210", f"input `{port.name}` is {kind}", f"the wire is {wire}", f"connect a {kind} wire"
+            )
+            self.typer.report(problem, position, [declared_here])
+        if port.shape is not None and port.shape != wire.shape:
+            problem = SymbolProblem(
+                "E204",
+                f"input `{port.name}` has another shape",
+                f"it is declared {shape_text(port.shape)}, the wire is {shape_text(wire.shape)}",
+                "connect a wire of that shape, or correct the declaration",
+            )
+            self.typer.report(problem, position, [declared_here])
+            return WireType(port.shape, port.boolean, port.units)
+        clash = first_mismatch(port.units, wire.units)
+        if clash is not None:
+            _, wanted, given = clash
+            problem = SymbolProblem(
+                "E211",
+                f"input `{port.name}` has another unit",
+                f"it takes {wanted}, the wire is in {given}: {conversion_hint(given, wanted)}",
+                f"multiply by a constant of unit {wanted / given}, or correct the unit that is wrong",
+            )
+            self.typer.report(problem, position, [declared_here])
+        return WireType(wire.shape, port.boolean, merge_units(port.units, wire.units, wire.size))
+
+    def _refuse(self, node: Node, problem: SymbolProblem, known: tuple[WireType | None, ...]) -> None:
+        position = node.position
+        if problem.operand is not None and problem.operand < len(node.operand_positions):
+            position = node.operand_positions[problem.operand] or position
+        notes = []
+        for number, (wire, wire_type) in enumerate(zip(node.inputs, known, strict=True), start=1):
+            if wire_type is None or wire is None or len(notes) >= 4:
+                continue
+            word = self.typer.sources.word(node.operand_positions[number - 1])
+            notes.append(Note(f"operand {number}, `{word}`, is {wire_type}", self._origin(wire)))
+        self.typer.report(problem, position, notes)
+
+    def _origin(self, wire: int) -> Position | None:
+        """Where a wire comes from: the block behind anonymous wiring, or the input's declaration."""
+        while wire in self.produced_by:
+            node = self.structure.nodes[self.produced_by[wire]]
+            first = node.inputs[0] if node.inputs else None
+            if "#" not in node.path or first is None or first == POISON:
+                return node.position
+            wire = first
+        return next((p.position for p in self.structure.inputs if p.wire == wire), None)
+
+    def _in_loops(self, stuck: list[int]) -> set[int]:
+        """The stuck nodes that lie on a loop (strongly connected)."""
+        from saoflow.diagrams.loops import strong_components
+
+        members = set(stuck)
+        nodes = self.structure.nodes
+
+        def before(i: int) -> list[int]:
+            producers = (self.produced_by.get(w) for w in nodes[i].inputs if w is not None)
+            return [p for p in producers if p is not None and p in members]
+
+        found: set[int] = set()
+        for component in strong_components(stuck, before):
+            if len(component) > 1 or component[0] in before(component[0]):
+                found.update(component)
+        return found
+
+    def _refine_delays(self) -> None:
+        """A unit that a loop hid from a delay is known once the loop is typed: spread it once more."""
+        learnt = False
+        for i in self.assumed:
+            node = self.structure.nodes[i]
+            wire, output = node.inputs[0], node.outputs[0]
+            if wire is None or wire == POISON:
+                continue
+            arriving, held = self.types[wire], self.types[output]
+            if arriving is None or held is None or arriving.shape != held.shape or arriving.boolean:
+                continue
+            units = merge_units(held.units, arriving.units, held.size)
+            if units != held.units:
+                self.types[output] = WireType(held.shape, held.boolean, units)
+                learnt = True
+        if learnt:
+            known = {
+                self.structure.nodes[i].outputs[0]: self.types[self.structure.nodes[i].outputs[0]] for i in self.assumed
+            }
+            self.types = [None] * self.structure.wire_count
+            self._input_types()
+            for wire, wire_type in known.items():
+                self.types[wire] = wire_type
+            self._respread()
+
+    def _respread(self) -> None:
+        """Type everything again with the delays' outputs known."""
+        nodes = self.structure.nodes
+        waiting = [0] * len(nodes)
+        users: dict[int, list[int]] = {}
+        for i, node in enumerate(nodes):
+            if i in self.assumed:
+                continue
+            for wire in {w for w in node.inputs if w is not None and (w == POISON or self.types[w] is None)}:
+                waiting[i] += 1
+                users.setdefault(wire, []).append(i)
+        ready = deque(i for i in range(len(nodes)) if not waiting[i] and i not in self.assumed)
+        while ready:
+            i = ready.popleft()
+            for wire in self._type_node(i, nodes[i]):
+                for user in users.get(wire, ()):
+                    waiting[user] -= 1
+                    if not waiting[user]:
+                        ready.append(user)
+
+    def _check_delays(self) -> None:
+        for node in self.structure.nodes:
+            if not isinstance(node.symbol, Delay):
+                continue
+            wire = node.inputs[0]
+            arriving = None if wire is None or wire == POISON else self.types[wire]
+            held = self.types[node.outputs[0]]
+            if arriving is None or held is None:
+                continue
+            try:
+                node.symbol.check_input(arriving, held)
+            except SymbolProblem as problem:
+                self._refuse(node, problem, (arriving,))
+
+    def _output_types(self) -> None:
+        for port in self.structure.outputs:
+            wire_type = None if port.wire == POISON else self.types[port.wire]
+            if wire_type is None or port.units is None:
+                continue
+            clash = first_mismatch(port.units, wire_type.units)
+            if clash is not None:
+                _, declared, found = clash
+                problem = SymbolProblem(
+                    "E211",
+                    f"output `{port.name}` has another unit",
+                    f"it is declared in {declared}, the wire is in {found}: {conversion_hint(found, declared)}",
+                    f"multiply by a constant of unit {declared / found}, or correct the unit that is wrong",
+                )
+                self.typer.report(problem, port.position, [])
+            elif wire_type.units is None or isinstance(wire_type.units, tuple):
+                units = merge_units(wire_type.units, port.units, wire_type.size)
+                self.types[port.wire] = WireType(wire_type.shape, wire_type.boolean, units)

@@ -1,0 +1,109 @@
+"""The frame program: what one frame executes. The single truth behind interpreter, code, counts and budgets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from saoflow.diagnosis import Position
+from saoflow.operations import Atom, Kind, Table, Tensor
+from saoflow.wires import WireType
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where an operation comes from: the wire's path inside its body, and the line of the sheet."""
+
+    path: str
+    position: Position
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One scalar operation. ``detail``: table number of a look-up, slot of a read or write, procedure of a call."""
+
+    kind: Kind
+    results: tuple[int, ...]
+    operands: tuple[Atom, ...]
+    detail: int
+    origin: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramBody:
+    """A list of operations in their order, with what goes in and what comes out.
+
+    Values are numbered from 0; ``parameters`` are the values that are given. For the frame body these are the
+    inputs' elements; state is read and written by operations.
+    """
+
+    name: str
+    parameters: tuple[int, ...]
+    operations: tuple[Operation, ...]
+    results: tuple[Atom, ...]
+    booleans: tuple[bool, ...]
+    """By value number: boolean or real."""
+    origins: tuple[Origin, ...]
+
+    @property
+    def value_count(self) -> int:
+        """How many scalar values there are."""
+        return len(self.booleans)
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramPort:
+    """An input, output or probe: its name, its type and its atoms in the frame body."""
+
+    name: str
+    type: WireType
+    tensor: Tensor
+    doc: str
+
+
+@dataclass(frozen=True, slots=True)
+class StateSlot:
+    """One remembered scalar: the path of its delay, the element and the frame of it, and the initial value."""
+
+    path: str
+    element: int
+    age: int
+    """0: what the delay gives out in this frame; n-1: what was stored last."""
+    initial: float | bool
+    position: Position
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateGroup:
+    """What runs every ``every`` frames from frame ``offset`` on. The first version has one group: every frame."""
+
+    every: int
+    offset: int
+    body: ProgramBody
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameProgram:
+    """One frame: the bodies of the rate groups, and the procedures that they call (each calls earlier ones only)."""
+
+    sheet: str
+    real: int
+    """64 or 32: the width of real arithmetic."""
+    groups: tuple[RateGroup, ...]
+    procedures: tuple[ProgramBody, ...]
+    tables: tuple[Table, ...]
+    states: tuple[StateSlot, ...]
+    inputs: tuple[ProgramPort, ...]
+    outputs: tuple[ProgramPort, ...]
+    probes: tuple[ProgramPort, ...]
+
+    @property
+    def bodies(self) -> tuple[ProgramBody, ...]:
+        """Every procedure, then the body of every rate group."""
+        return (*self.procedures, *(group.body for group in self.groups))
+
+    @property
+    def hyperperiod(self) -> int:
+        """After how many frames the pattern of rate groups repeats."""
+        import math
+
+        return math.lcm(*(group.every for group in self.groups))

@@ -1,0 +1,137 @@
+"""The static order of a body's nodes: feed-through decides, ties go to the order of the sheet."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+
+from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
+from saoflow.diagrams.loops import strong_components
+from saoflow.diagrams.netlist import POISON, Body, Netlist, Node, SourceLines
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Schedule:
+    """A body with the order of its nodes, and the schedules of the bodies that it calls."""
+
+    body: Body
+    order: tuple[int, ...]
+    children: tuple[Schedule | None, ...]
+
+
+def order(netlist: Netlist) -> Schedule:
+    """The schedule of a netlist. Raises DiagnosisError E301 with every algebraic loop, wire by wire."""
+    found = Diagnoses()
+    done: dict[int, Schedule] = {}
+
+    def schedule(body: Body) -> Schedule:
+        if id(body) not in done:
+            children = tuple(None if child is None else schedule(child) for child in body.children)
+            done[id(body)] = Schedule(body, _order_nodes(body, found, netlist.sources), children)
+        return done[id(body)]
+
+    root = schedule(netlist.root)
+    found.raise_if_errors()
+    return root
+
+
+def _order_nodes(body: Body, found: Diagnoses, sources: SourceLines) -> tuple[int, ...]:
+    nodes = body.nodes
+    produced_by = {wire: i for i, node in enumerate(nodes) for wire in node.outputs}
+    waiting = [0] * len(nodes)
+    users: list[list[int]] = [[] for _ in nodes]
+    for i, node in enumerate(nodes):
+        for producer in _producers(node, produced_by):
+            waiting[i] += 1
+            users[producer].append(i)
+    ready = [i for i, count in enumerate(waiting) if not count]
+    heapify(ready)
+    placed: list[int] = []
+    while ready:
+        i = heappop(ready)
+        placed.append(i)
+        for user in users[i]:
+            waiting[user] -= 1
+            if not waiting[user]:
+                heappush(ready, user)
+    if len(placed) < len(nodes):
+        _report_loops(body, [i for i, count in enumerate(waiting) if count], produced_by, found, sources)
+    return tuple(placed)
+
+
+def _producers(node: Node, produced_by: dict[int, int]) -> list[int]:
+    """The nodes whose outputs a node needs within the frame."""
+    if not node.feeds_through:
+        return []
+    wires = {w for w in node.inputs if w is not None and w != POISON}
+    return [produced_by[w] for w in sorted(wires) if w in produced_by]
+
+
+def _report_loops(
+    body: Body, stuck: list[int], produced_by: dict[int, int], found: Diagnoses, sources: SourceLines
+) -> None:
+    members = set(stuck)
+
+    def before(i: int) -> list[int]:
+        return [p for p in _producers(body.nodes[i], produced_by) if p in members]
+
+    for component in strong_components(stuck, before):
+        if len(component) > 1 or component[0] in before(component[0]):
+            loop = _shortest_loop(set(component), before)
+            _report_loop(body, loop, produced_by, found, sources)
+
+
+def _shortest_loop(component: set[int], before: Callable[[int], list[int]]) -> list[int]:
+    """A shortest loop of the component, in the direction of the wires; starts at its first node in the sheet."""
+    best: list[int] = []
+    for start in sorted(component)[:64]:
+        came: dict[int, int] = {}
+        queue = deque([start])
+        while queue and start not in came:
+            i = queue.popleft()
+            for p in before(i):
+                if p in component and p not in came:
+                    came[p] = i
+                    queue.append(p)
+        loop, i = [start], came[start]
+        while i != start:
+            loop.append(i)
+            i = came[i]
+        if not best or len(loop) < len(best):
+            best = loop
+        if len(best) <= 2:
+            break
+    first = best.index(min(best))
+    return best[first:] + best[:first]
+
+
+def _report_loop(
+    body: Body, loop: list[int], produced_by: dict[int, int], found: Diagnoses, sources: SourceLines
+) -> None:
+    nodes = [body.nodes[i] for i in loop]
+    names = [node.path for node in nodes if "#" not in node.path] or [nodes[0].path]
+    notes = []
+    for i, node in enumerate(nodes):
+        following = nodes[(i + 1) % len(nodes)]
+        wires = set(node.outputs)
+        place: Position | None = None
+        for wire, position in zip(following.inputs, following.operand_positions, strict=True):
+            if wire in wires:
+                place = position
+                break
+        notes.append(Note(f"{node.path} -> {following.path}", place or following.position))
+    start = next((node for node in nodes if "#" not in node.path), nodes[0])
+    found.add(
+        Diagnosis(
+            "E301",
+            f"algebraic loop: {' -> '.join([*names, names[0]])}",
+            start.position,
+            "each of these wires needs the next within the same frame",
+            "put a delay into the loop, where a value of the frame before is meant",
+            "the loop passes here",
+            tuple(notes),
+            sources.line(start.position),
+        )
+    )

@@ -1,0 +1,69 @@
+"""Leaving out what no output, probe or state needs: operations, results of procedures, whole procedures.
+
+Constants and common subexpressions are dealt with while lowering (``emitter.py``); nothing here or there changes a bit of
+what remains.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from saoflow.operations import Kind
+from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody
+
+
+def simplify(program: FrameProgram) -> FrameProgram:
+    """The program without dead operations."""
+    used: list[set[int]] = [set() for _ in program.procedures]
+    called = [False] * len(program.procedures)
+    groups = [
+        replace(group, body=_live(group.body, set(range(len(group.body.results))), used, called))
+        for group in program.groups
+    ]
+    bodies: list[ProgramBody] = list(program.procedures)
+    for number in range(len(bodies) - 1, -1, -1):
+        bodies[number] = _live(bodies[number], used[number], used, called) if called[number] else bodies[number]
+    kept = [number for number in range(len(bodies)) if called[number]]
+    renumbered = {number: i for i, number in enumerate(kept)}
+    procedures = tuple(
+        _narrow_calls(_narrow_results(bodies[number], used[number]), used, renumbered) for number in kept
+    )
+    return replace(
+        program,
+        procedures=procedures,
+        groups=tuple(replace(g, body=_narrow_calls(g.body, used, renumbered)) for g in groups),
+    )
+
+
+def _live(body: ProgramBody, results: set[int], used: list[set[int]], called: list[bool]) -> ProgramBody:
+    """Keep the operations that the given results need; note which results of procedures they use."""
+    needed = {atom for i, atom in enumerate(body.results) if i in results and isinstance(atom, int)}
+    kept: list[Operation] = []
+    for op in reversed(body.operations):
+        live = [i for i, value in enumerate(op.results) if value in needed]
+        if not live and op.kind is not Kind.WRITE:
+            continue
+        needed.update(atom for atom in op.operands if isinstance(atom, int))
+        if op.kind is Kind.CALL:
+            used[op.detail].update(live)
+            called[op.detail] = True
+        kept.append(op)
+    return replace(body, operations=tuple(reversed(kept)))
+
+
+def _narrow_results(body: ProgramBody, used: set[int]) -> ProgramBody:
+    return replace(body, results=tuple(atom for i, atom in enumerate(body.results) if i in used))
+
+
+def _narrow_calls(body: ProgramBody, used: list[set[int]], renumbered: dict[int, int]) -> ProgramBody:
+    operations = tuple(
+        op
+        if op.kind is not Kind.CALL
+        else replace(
+            op,
+            results=tuple(value for i, value in enumerate(op.results) if i in used[op.detail]),
+            detail=renumbered[op.detail],
+        )
+        for op in body.operations
+    )
+    return replace(body, operations=operations)
