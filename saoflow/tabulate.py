@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from saoflow.enclosure import Interval, ball_arithmetic, enclose
+from saoflow.enclosure import Interval, ball_arithmetic, enclose, enclose_2d
 from saoflow.formula import Formula, evaluate, variables
 from saoflow.operations import Table
 from saoflow.table_evaluation import PreparedTable, TabulateError, TabulateProblem, evaluate_table, prepare
@@ -69,7 +69,7 @@ def tabulate(
     singularity, more than :data:`MOST_POINTS` values, or an error below the rounding of binary64.
     """
     ends = tuple((float(low), float(high)) for low, high in range)
-    _check_arguments(name, formula, ends, float(error))
+    _check_arguments(name, formula, ends, float(error), relative)
     return _tabulate(name, formula, ends, float(error), bool(relative), bool(linear))
 
 
@@ -91,7 +91,7 @@ def _tabulate(
     return Table(name, axes, values, linear, formula, proved, relative)
 
 
-def _check_arguments(name: str, formula: Formula, ends: tuple[Interval, ...], error: float) -> None:
+def _check_arguments(name: str, formula: Formula, ends: tuple[Interval, ...], error: float, relative: bool) -> None:
     names = sorted(variables(formula) | {"x"})
     if len(ends) != len(names):
         raise TabulateError(
@@ -116,6 +116,14 @@ def _check_arguments(name: str, formula: Formula, ends: tuple[Interval, ...], er
             f"it is {error:g}",
             "give the largest error that the table may have, such as 1e-4",
         )
+    if relative and error > 0.5:
+        # Below that the largest tabulated value is at least half of the largest value: see the floor in _tabulate.
+        raise TabulateError(
+            "E208",
+            f"the relative error of table {name} is no approximation",
+            f"it is {error:g}",
+            "give at most 0.5, such as 1e-4, or an absolute error",
+        )
 
 
 def _check_regular(name: str, formula: Formula, ends: tuple[Interval, ...], linear: bool) -> None:
@@ -123,9 +131,7 @@ def _check_regular(name: str, formula: Formula, ends: tuple[Interval, ...], line
     boxes = [(ends, 0)]
     while boxes:
         box, depth = boxes.pop()
-        y = box[1] if len(box) == 2 else None
-        jet = enclose(formula, box[0], y)
-        if math.isfinite(magnitude(jet.second if linear else jet.first)):
+        if all(math.isfinite(magnitude(d)) for d in _derivatives(formula, box, linear)):
             continue
         axis = depth % len(box)
         low, high = box[axis]
@@ -134,6 +140,15 @@ def _check_regular(name: str, formula: Formula, ends: tuple[Interval, ...], line
             raise _singular(name, formula, tuple(map(_simplest, box, ends)), linear)
         for half in ((middle, high), (low, middle)):
             boxes.append(((half, *box[1:]) if axis == 0 else (box[0], half), depth + 1))
+
+
+def _derivatives(formula: Formula, box: tuple[Interval, ...], linear: bool) -> tuple[Interval, ...]:
+    """Enclosures of the derivative that the error goes with, along each axis."""
+    if len(box) == 1:
+        jet = enclose(formula, box[0])
+        return (jet.second,) if linear else (jet.first,)
+    both = enclose_2d(formula, *box)
+    return (both.second_xx, both.second_yy) if linear else (both.first_x, both.first_y)
 
 
 def _simplest(box: Interval, ends: Interval) -> float:
@@ -261,6 +276,7 @@ class _March:
     def _interval(self, a: float, stop: float, step: float) -> tuple[float, float]:
         """The end of the interval that starts at ``a``, and its bound: just below the error if it can be."""
         best: tuple[float, float] | None = None
+        bound = 0.0
         for attempt in range(100):
             b = min(a + step, stop)
             if not b > a or not (math.isfinite(b)):
@@ -276,15 +292,16 @@ class _March:
             step = (b - a) * min(max(ratio ** (1.0 / self.order), 0.05), 4.0)
         if best is not None:
             return best
-        raise _below_rounding(self.name, f"near {a:.6g}", self.error)
+        raise _unproved(self.name, f"near {a:.6g}", self.error, math.isfinite(bound))
 
 
-def _below_rounding(name: str, where: str, error: float) -> TabulateError:
+def _unproved(name: str, where: str, error: float, bounded: bool) -> TabulateError:
+    cause = f"{where}, rounding in binary64 alone exceeds an error of {error:g}"
     return TabulateError(
         "E223",
         f"the error of table {name} cannot be proved",
-        f"{where}, rounding in binary64 alone exceeds an error of {error:g}",
-        "allow a larger error",
+        cause if bounded else f"{where}, no bound of the formula's derivatives was found",
+        "allow a larger error" if bounded else "take a smaller range, or a formula in which each variable occurs once",
     )
 
 
@@ -299,7 +316,7 @@ def _tabulate_2d(
     rounding = 2.0**-52 * largest + (cell_rounding(largest) if linear else 0.0)
     spare = error - (rounding if floor is None else rounding / floor)
     if not spare > 0.0:
-        raise _below_rounding(name, "everywhere", error)
+        raise _unproved(name, "everywhere", error, True)
 
     def strip(axis: int, other: Sequence[float]) -> Callable[[float, float], float]:
         def bound(a: float, b: float) -> float:
@@ -308,6 +325,7 @@ def _tabulate_2d(
 
         return bound
 
+    _check_estimate_2d(name, formula, ends, spare, floor, linear)
     order = 2 if linear else 1
     cuts_x, cuts_y = (np.linspace(*end, 33).tolist() for end in ends)
     whole_y = strip(1, cuts_x)(*ends[1])
@@ -317,3 +335,29 @@ def _tabulate_2d(
     y, bound_y = _March(name, strip(1, x), share, order, MOST_POINTS // len(x)).run(ends[1][0], [ends[1][1]])
     values = np.array([[nearest_value(formula, a, b)[0] for b in y] for a in x])
     return (np.array(x), np.array(y)), values, bound_x + bound_y + (error - spare)
+
+
+def _check_estimate_2d(
+    name: str,
+    formula: Formula,
+    ends: tuple[Interval, ...],
+    error: float,
+    floor: float | None,
+    linear: bool,
+    samples: int = 9,
+) -> None:
+    """As :func:`_check_estimate`, from the derivatives on a coarse grid: along each axis the largest across it."""
+    rates = np.zeros((2, samples, samples))
+    for i, a in enumerate(np.linspace(*ends[0], samples).tolist()):
+        for j, b in enumerate(np.linspace(*ends[1], samples).tolist()):
+            box = ((a, a), (b, b))
+            value = enclose_2d(formula, *box).value
+            local = error * (1.0 if floor is None else max(mignitude(value), floor))
+            for axis, derivative in enumerate(_derivatives(formula, box, linear)):
+                least = mignitude(derivative)
+                rates[axis, i, j] = (math.sqrt(least / 8.0 / local) if linear else least / local) if local else 0.0
+    needed = 1.0
+    for axis, (low, high) in enumerate(ends):
+        needed *= 1.0 + (high - low) * float(rates[axis].max(axis=1 - axis).mean())
+    if needed > 1.5 * MOST_POINTS:
+        raise _too_many(name, f"about {needed:.3g} values would be needed")

@@ -6,6 +6,7 @@ import ast
 import math
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -207,7 +208,7 @@ def test_an_array_result_is_its_own() -> None:
         (NAMED["tan"], (np.tan, lambda x: 1 / np.cos(x) ** 2, lambda x: 2 * np.tan(x) / np.cos(x) ** 2)),
     ],
 )
-def test_enclosures_contain_the_derivatives_and_are_tight(formula: Formula, derivatives: tuple) -> None:
+def test_enclosures_contain_the_derivatives_and_are_tight(formula: Formula, derivatives: tuple[Any, ...]) -> None:
     for low, width in ((-0.3, 0.01), (0.0, 0.1), (0.4, 0.05)):
         with ball_arithmetic():
             jet = enclose(formula, (low, low + width))

@@ -139,6 +139,14 @@ REFUSED = [
     (NAMED["log"], ((-2.0, 1.0),), 1e-3, "E223", "log(x) is not defined near x = -2"),
     (NAMED["acos"], ((0.5, 1.0),), 1e-3, "E223", "acos(x) has no bounded second derivative near x = 1"),
     (X / Y, ((0.0, 1.0), (-1.0, 2.0)), 1e-3, "E223", "near x = 0, y = 0"),
+    (
+        X + apply("sqrt", Y),
+        ((0.0, 1.0), (0.0, 1.0)),
+        1e-3,
+        "E223",
+        "has no bounded second derivative near x = 0, y = 0",
+    ),
+    (X * X * Y * Y, ((0.0, 1.0), (0.0, 1.0)), 1e-6, "E223", "values would be needed"),
     (NAMED["sin"], ((0.0, 1.0),), 1e-12, "E223", "about 2.27e+05 values would be needed"),
     (X * 1e10, ((0.0, 1.0),), 1e-7, "E223", "rounding in binary64 alone exceeds an error of 1e-07"),
     (NAMED["sin"], ((1.0, 1.0),), 1e-3, "E208", "it goes from 1 to 1"),
@@ -153,10 +161,15 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("formula", "ends", "error", "code", "cause"), REFUSED)
-def test_refused(formula: Formula, ends: tuple, error: float, code: str, cause: str) -> None:
+def test_refused(formula: Formula, ends: tuple[tuple[float, float], ...], error: float, code: str, cause: str) -> None:
     with pytest.raises(TabulateError) as caught:
         tabulate("t", formula, ends, error)
     assert caught.value.code == code and cause in caught.value.cause and caught.value.remedy
+
+
+def test_a_relative_error_beyond_a_half_is_refused() -> None:
+    with pytest.raises(TabulateError, match="E208: the relative error of table t is no approximation"):
+        tabulate("t", NAMED["sin"], ((0.0, 1.0),), 0.6, relative=True)
 
 
 def test_the_same_table_is_made_once() -> None:
@@ -282,7 +295,7 @@ def test_two_dimensions_by_definition() -> None:
         ([], [], np.float64, "E215", "values [0], breakpoints [0]"),
     ],
 )
-def test_tables_that_cannot_be_prepared(x: list, y: list, dtype: type, code: str, cause: str) -> None:
+def test_tables_that_cannot_be_prepared(x: list[float], y: list[float], dtype: type, code: str, cause: str) -> None:
     with pytest.raises(TabulateError) as caught:
         prepare(Table("data", (np.array(x),), np.array(y), True), dtype)
     assert caught.value.code == code and cause in caught.value.cause
