@@ -90,19 +90,15 @@ class Diagnosis:
             "cause": self.cause,
             "remedy": self.remedy,
             "notes": [
-                {"text": note.text, "position": str(note.position) if note.position else None}
-                for note in self.notes
+                {"text": note.text, "position": str(note.position) if note.position else None} for note in self.notes
             ],
         }
 
 
 def _window(text: str, column: int, width: int = 160) -> tuple[str, int]:
     """Cut a very long line to the part around ``column``; returns the part and the column inside it."""
-    text = text.replace("\t", " ")
-    if len(text) <= width:
-        return text, column
-    start = max(0, column - width // 2)
-    return text[start : start + width], column - start
+    start = max(0, column - width // 2) if len(text) > width else 0
+    return text[start : start + width].replace("\t", " "), column - start
 
 
 class DiagnosisError(Exception):

@@ -33,9 +33,7 @@ class Compare(Symbol[str]):
         common_units(inputs, shape, self.name)
         return WireType(shape, True)
 
-    def expand(
-        self, inputs: tuple[Tensor | None, ...], output: WireType, configuration: str, emit: Expander
-    ) -> Tensor:
+    def expand(self, inputs: tuple[Tensor | None, ...], output: WireType, configuration: str, emit: Expander) -> Tensor:
         """One comparison per element."""
         a, b = connected(inputs)
         atoms = (emit.compare(configuration, element(a, i), element(b, i)) for i in range(output.size))

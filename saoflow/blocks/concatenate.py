@@ -65,9 +65,7 @@ class Concatenate(Symbol[str]):
             units = collapse([flat[int(i)] for i in joined.ravel()])
         return WireType(joined.shape, wires[0].boolean, units)
 
-    def expand(
-        self, inputs: tuple[Tensor | None, ...], output: WireType, configuration: str, emit: Expander
-    ) -> Tensor:
+    def expand(self, inputs: tuple[Tensor | None, ...], output: WireType, configuration: str, emit: Expander) -> Tensor:
         """Reorders atoms."""
         atoms: list[Atom] = []
         numbers = []

@@ -26,9 +26,7 @@ class Constant(Symbol[Value]):
     """Configured by its value."""
 
     name: ClassVar[str] = "constant"
-    summary: ClassVar[str] = (
-        "a fixed value; costs nothing, and its zeros and ones are left out of products and sums"
-    )
+    summary: ClassVar[str] = "a fixed value; costs nothing, and its zeros and ones are left out of products and sums"
     equation: ClassVar[str] = "y = value"
     ports: ClassVar[tuple[Port, ...]] = ()
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -41,9 +39,7 @@ class Constant(Symbol[Value]):
         """Raises SymbolProblem E207, E208."""
         given = arguments.get("value")
         if given is None or given.array is None:
-            raise SymbolProblem(
-                "E207", "a constant needs a value", "none is given", "write {constant: 1.5, unit: kt}"
-            )
+            raise SymbolProblem("E207", "a constant needs a value", "none is given", "write {constant: 1.5, unit: kt}")
         if not np.all(np.isfinite(given.array)):
             raise SymbolProblem(
                 "E208", "a constant must be finite", "it contains NaN or infinity", "give a finite number"

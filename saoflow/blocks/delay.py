@@ -34,9 +34,7 @@ class Delay(Symbol[Memory]):
     equation: ClassVar[str] = "y_k = u_{k-n};  y_k = initial for k < n"
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "what is remembered"),)
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            "initial", "array", "value before the first frame (default 0); a scalar serves every element"
-        ),
+        Parameter("initial", "array", "value before the first frame (default 0); a scalar serves every element"),
         Parameter("frames", "count", "how many frames (default 1)"),
         Parameter("shape", "array", "shape of the wire, where a loop hides it: shape: [3, 4]"),
         Parameter("unit", "unit", "unit of the wire, where a loop hides it"),
@@ -139,9 +137,7 @@ class Delay(Symbol[Memory]):
 
     def initial_elements(self, configuration: Memory, output: WireType) -> tuple[float, ...]:
         """The initial value of every element, row-major."""
-        spread = (
-            np.broadcast_to(configuration.initial, output.shape) if output.shape else configuration.initial
-        )
+        spread = np.broadcast_to(configuration.initial, output.shape) if output.shape else configuration.initial
         return tuple(float(v) for v in np.ravel(spread))
 
 

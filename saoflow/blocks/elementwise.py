@@ -41,8 +41,7 @@ def common_units(inputs: Sequence[WireType | None], shape: tuple[int, ...], symb
         elif wire.units != units:
             size = max(WireType(shape).size, 1)
             merged = [
-                _agree(a, b, i, symbol)
-                for a, b in zip(_spread(units, size), _spread(wire.units, size), strict=True)
+                _agree(a, b, i, symbol) for a, b in zip(_spread(units, size), _spread(wire.units, size), strict=True)
             ]
             units = collapse(merged)
     return units

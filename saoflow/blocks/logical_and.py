@@ -39,7 +39,6 @@ class LogicalAnd(Symbol[None]):
             return emit.logic(Kind.AND, a, b)
 
         atoms = (
-            reduce(both, (element(u, i) for u in operands[1:]), element(operands[0], i))
-            for i in range(output.size)
+            reduce(both, (element(u, i) for u in operands[1:]), element(operands[0], i)) for i in range(output.size)
         )
         return Tensor(output.shape, tuple(atoms))

@@ -124,9 +124,7 @@ class Lookup(Symbol[TableUse]):
     ) -> Tensor:
         """One look-up per element."""
         operands = connected(inputs)
-        atoms = (
-            emit.lookup(configuration.table, *(element(u, i) for u in operands)) for i in range(output.size)
-        )
+        atoms = (emit.lookup(configuration.table, *(element(u, i) for u in operands)) for i in range(output.size))
         return Tensor(output.shape, tuple(atoms))
 
 
@@ -145,9 +143,7 @@ def _function_table(arguments: Arguments, linear: bool) -> Table:
         raise SymbolProblem(
             "E215",
             "a function's table needs its largest error",
-            "both error and relative_error are given"
-            if relative
-            else "neither error nor relative_error is given",
+            "both error and relative_error are given" if relative else "neither error nor relative_error is given",
             "write error: 1e-4, or relative_error: 1e-4",
         )
     error = _number(arguments, "relative_error" if relative else "error")
@@ -171,9 +167,7 @@ def _function_table(arguments: Arguments, linear: bool) -> Table:
 def _number(arguments: Arguments, name: str) -> float:
     array = arguments[name].array
     if array is None or array.ndim:
-        raise SymbolProblem(
-            "E208", f"`{name}` must be one number", "it is not", f"write {name}: 1e-4", parameter=name
-        )
+        raise SymbolProblem("E208", f"`{name}` must be one number", "it is not", f"write {name}: 1e-4", parameter=name)
     return float(array)
 
 

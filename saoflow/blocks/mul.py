@@ -44,9 +44,7 @@ class Mul(Symbol[Product]):
     """Configured by the kind of product."""
 
     name: ClassVar[str] = "mul"
-    summary: ClassVar[str] = (
-        "product of the operands, left to right: element by element, or of matrices and vectors"
-    )
+    summary: ClassVar[str] = "product of the operands, left to right: element by element, or of matrices and vectors"
     equation: ClassVar[str] = "y = u1 · u2 · ...;  product: matrix: y_ij = sum_k a_ik b_kj, k increasing"
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "an operand; a scalar multiplies every element"),)
     variadic: ClassVar[bool] = True
@@ -100,9 +98,7 @@ class Mul(Symbol[Product]):
             return Tensor(output.shape, tuple(atoms))
         result = operands[0]
         for i, operand in enumerate(operands[1:], start=1):
-            result = _matrix_product(
-                result, operand, configuration.symmetric and i == len(operands) - 1, emit
-            )
+            result = _matrix_product(result, operand, configuration.symmetric and i == len(operands) - 1, emit)
         return result
 
 
@@ -124,9 +120,7 @@ def _need_at_most_matrix(wire: WireType, operand: int) -> None:
             "E204",
             "a matrix product takes vectors and matrices",
             f"operand {operand + 1} is {shape_text(wire.shape)}",
-            "use product: elements to multiply by a scalar"
-            if not wire.shape
-            else "select a slice of the stack",
+            "use product: elements to multiply by a scalar" if not wire.shape else "select a slice of the stack",
             operand=operand,
         )
 
@@ -193,8 +187,6 @@ def _matrix_product(a: Tensor, b: Tensor, symmetric: bool, emit: Expander) -> Te
             if symmetric and c < r:
                 atoms.append(atoms[c * columns + r])
                 continue
-            terms = [
-                signed_product(a.atoms[r * inner + k], b.atoms[k * columns + c], emit) for k in range(inner)
-            ]
+            terms = [signed_product(a.atoms[r * inner + k], b.atoms[k * columns + c], emit) for k in range(inner)]
             atoms.append(signed_sum(terms, emit))
     return Tensor(a.shape[:-1] + b.shape[1:], tuple(atoms))

@@ -26,6 +26,8 @@ class Selection:
     """One index or span per leading axis; axes that are not named are kept whole."""
 
     indices: tuple[int | Span, ...]
+    leading: int | None = None
+    """How many slices the first axis must have (a fold that takes one slice per instance)."""
 
 
 class Select(Symbol[Selection]):
@@ -60,6 +62,14 @@ class Select(Symbol[Selection]):
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: Selection) -> WireType:
         """Axes with an index disappear, axes with a span shrink. Raises SymbolProblem E217."""
         (wire,) = present(inputs)
+        if configuration.leading is not None and wire.shape[:1] != (configuration.leading,):
+            raise SymbolProblem(
+                "E204",
+                "the stack does not have one slice per instance",
+                f"the wire is {shape_text(wire.shape)}, and there are {configuration.leading} instances",
+                "stack as many slices as there are instances, or connect it under `in` for all of them",
+                operand=0,
+            )
         chosen = _choose(wire.shape, configuration)
         units = wire.units
         if isinstance(units, tuple):

@@ -75,8 +75,8 @@ class Declarations:
         return distinct
 
     def _twice(self, name: str, position: Position, other: str) -> None:
-        declared = [*self.sheet.inputs, *self.sheet.parameters]
-        first = next((d.name.position for d in declared if d.name.text == name), None)
+        names = [*(d.name for d in self.sheet.inputs), *(d.name for d in self.sheet.parameters)]
+        first = next((n.position for n in names if n.text == name), None)
         self.scope.report(
             "E222",
             f"`{name}` is used twice",

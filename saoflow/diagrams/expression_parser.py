@@ -28,6 +28,8 @@ from saoflow.diagrams.expression import (
 
 LONGEST = 10_000
 """Characters that one expression may have."""
+LONGEST_NAME = 64
+"""Characters that a name may have."""
 DEEPEST = 100
 """Levels that the tree of one expression may have, so that walking it by recursion is safe."""
 NESTED = 50
@@ -89,16 +91,16 @@ def parse_at(text: str, locate: Locate) -> Expression:
 
     Plain names and numbers, which are most of a sheet, take a short way.
     """
-    if _PLAIN_NAME.fullmatch(text) and (text.isascii() or text.isidentifier()):
-        return Name(text, locate(0, len(text)))
-    if _PLAIN_NUMBER.fullmatch(text):
-        return Number(_finite(text, 0), locate(0, len(text)))
-    if text[:1] == "-" and _PLAIN_NAME.fullmatch(text, 1) and text.isascii():
-        return Unary("-", Name(text[1:], locate(1, len(text) - 1)), locate(0, len(text)))
     if len(text) > LONGEST:
         raise ExpressionFailure(
             f"an expression of {len(text)} characters", 0, 1, f"at most {LONGEST} are read", "split it up"
         )
+    if len(text) <= LONGEST_NAME and _PLAIN_NAME.fullmatch(text) and (text.isascii() or text.isidentifier()):
+        return Name(text, locate(0, len(text)))
+    if _PLAIN_NUMBER.fullmatch(text):
+        return Number(_finite(text, 0), locate(0, len(text)))
+    if text[:1] == "-" and len(text) <= LONGEST_NAME and _PLAIN_NAME.fullmatch(text, 1) and text.isascii():
+        return Unary("-", Name(text[1:], locate(1, len(text) - 1)), locate(0, len(text)))
     parser = _Parser(text, locate)
     result = parser.whole()
     # Long chains (a + b + c ...) make deep trees without nesting; only they need to be measured.
@@ -307,6 +309,14 @@ class _Parser:
             self.at += 1
             return Number(_finite(word, offset), self.locate(offset, len(word)))
         if kind == "name" and word.isidentifier():
+            if len(word) > LONGEST_NAME:
+                raise ExpressionFailure(
+                    f"a name of {len(word)} characters",
+                    offset,
+                    len(word),
+                    f"names have at most {LONGEST_NAME}",
+                    "shorten it",
+                )
             self.at += 1
             return Name(word, self.locate(offset, len(word)))
         if word == "(":

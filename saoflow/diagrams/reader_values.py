@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 from saoflow.diagnosis import DiagnosisError, Position, did_you_mean
 from saoflow.diagrams.expression import Array, Expression, Text
-from saoflow.diagrams.expression_parser import ExpressionFailure, parse_at
+from saoflow.diagrams.expression_parser import LONGEST_NAME, ExpressionFailure, parse_at
 from saoflow.diagrams.sheet import Argument, Connection, Named, UnitText
 from saoflow.diagrams.yaml_text import Mapping, Node, Scalar, Sequence, SourceText, short
 from saoflow.units import Unit
-
-LONGEST_NAME = 64
 
 
 @dataclass(slots=True)

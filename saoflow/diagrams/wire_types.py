@@ -192,7 +192,7 @@ class _StructureTyper:
         position = node.position
         if problem.operand is not None and problem.operand < len(node.operand_positions):
             position = node.operand_positions[problem.operand] or position
-        notes = []
+        notes: list[Note] = []
         for number, (wire, wire_type) in enumerate(zip(node.inputs, known, strict=True), start=1):
             if wire_type is None or wire is None or len(notes) >= 4:
                 continue

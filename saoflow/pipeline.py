@@ -1,0 +1,141 @@
+"""The road from YAML to frames, in one place: each stage by name, made once, printable.
+
+text --read--> sheet --elaborate--> netlist --order--> schedule --lower--> frame program --simplify--> frame program
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
+from saoflow.diagrams.elaborate import elaborate
+from saoflow.diagrams.expression_parser import parse_expression
+from saoflow.diagrams.expression_value import Quantity, evaluate
+from saoflow.diagrams.netlist import Netlist
+from saoflow.diagrams.sheet import Sheet
+from saoflow.diagrams.store import SheetStore
+from saoflow.scheduler.budget import BudgetReport, budget_report
+from saoflow.scheduler.lowering import lower
+from saoflow.scheduler.program import FrameProgram
+from saoflow.scheduler.schedule import Schedule, order
+from saoflow.scheduler.simplify import simplify
+from saoflow.scheduler.simulator import Simulator
+from saoflow.scheduler.validate import validate_program, validate_schedule
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+STAGES = ("sheet", "netlist", "schedule", "program", "python")
+"""What ``saoflow show --stage`` prints."""
+
+
+@dataclass(eq=False)
+class LoadedSheet:
+    """A sheet and every stage after it. Each stage raises DiagnosisError with all that it finds."""
+
+    sheet: Sheet
+    store: SheetStore
+    given: Mapping[str, Quantity] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The sheet's name."""
+        return self.sheet.name.text
+
+    @cached_property
+    def netlist(self) -> Netlist:
+        """Every parameter a number, every block a symbol, every shape and unit known."""
+        return elaborate(self.sheet, self.store, self.given)
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        """The nodes in the order in which they run, checked by a second piece of code."""
+        schedule = order(self.netlist)
+        validate_schedule(schedule)
+        return schedule
+
+    def program(self, real: int = 64, probes: Collection[str] = ()) -> FrameProgram:
+        """What one frame executes, in ``real`` bits, with the probed wires among its results."""
+        program = simplify(lower(self.schedule, real=real, probes=probes))
+        validate_program(program)
+        return program
+
+    @cached_property
+    def frame_program(self) -> FrameProgram:
+        """The program in binary64 without probes: what is counted."""
+        return self.program()
+
+    def check(self) -> None:
+        """Read, elaborate and order. Raises DiagnosisError."""
+        _ = self.schedule
+
+    def budget(self) -> BudgetReport:
+        """Operations per frame by kind and by sub-sheet, against the sheet's budget."""
+        return budget_report(self.frame_program, self.netlist)
+
+    def simulator(
+        self, backend: str = "interpreter", *, real: int = 64, probes: Collection[str] = (), exact: bool = False
+    ) -> Simulator:
+        """Frames of this sheet. ``exact`` puts the functions of tables in their place.
+
+        Raises DiagnosisError E401 for a sheet over its budget, E303 for an unknown probe, E603, E607.
+        """
+        if backend != "interpreter":
+            raise DiagnosisError(
+                [
+                    Diagnosis(
+                        "E607",
+                        f"there is no backend `{backend}`",
+                        cause="this version runs frames in the interpreter",
+                        remedy="use backend `interpreter`",
+                    )
+                ]
+            )
+        if real not in (32, 64):
+            raise DiagnosisError(
+                [Diagnosis("E603", f"real cannot be {real}", cause="reals have 64 or 32 bits", remedy="use real=64")]
+            )
+        self.budget().raise_if_over()
+        return Simulator(self.program(real, probes), exact)
+
+    def graph(self) -> nx.MultiDiGraph:
+        """The netlist as a networkx graph: a node per symbol instance, an edge per wire."""
+        from saoflow.diagrams.graph import netlist_graph
+
+        return netlist_graph(self.netlist)
+
+
+def load(name: str, parameters: Mapping[str, Any] | None = None) -> LoadedSheet:
+    """Read a sheet by path or shipped name; ``parameters`` override its named parameters (numbers, lists, YAML text).
+
+    Raises DiagnosisError.
+    """
+    store = SheetStore()
+    sheet = store.open(str(name))
+    given = {key: quantity_of(key, value) for key, value in (parameters or {}).items()}
+    return LoadedSheet(sheet, store, given)
+
+
+def quantity_of(name: str, value: Any) -> Quantity:
+    """A parameter value from Python or the command line. Raises DiagnosisError E603, E111."""
+    if isinstance(value, str):
+        return evaluate(parse_expression(value, Position(f"--set {name}", 1, 1, len(value)), value), {}, (value,))
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E603",
+                    f"parameter `{name}` cannot be {value!r}",
+                    cause="it is no number or rectangular list of numbers",
+                    remedy="give a number, a list, or text such as 2*pi",
+                )
+            ]
+        ) from None
+    return Quantity(array, None)
