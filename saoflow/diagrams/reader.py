@@ -15,12 +15,11 @@ Nothing is resolved here: whether a symbol or a wire exists, elaboration finds o
 
 from __future__ import annotations
 
-import gc
+import codecs
 import os
 import stat
-from collections.abc import Iterator
-from contextlib import contextmanager
 
+from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, in_order
 from saoflow.diagrams.expression import Array, Expression
 from saoflow.diagrams.reader_blocks import read_blocks
@@ -58,26 +57,14 @@ _KEYS = ("sheet", "doc", "equations", "profile", "parameters", "inputs", "blocks
 def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     """Read the sheet in a file. Raises DiagnosisError with everything that is wrong (E1xx, E222)."""
     file = os.fspath(path)
-    with _collector_paused():
+    with collector_paused():
         return _read(SourceText(file, _file_text(file)))
 
 
 def read_text(text: str, file: str) -> Sheet:
     """Read a sheet from text; ``file`` is the name in messages. Raises DiagnosisError as :func:`read_sheet`."""
-    with _collector_paused():
+    with collector_paused():
         return _read(SourceText(file, text.removeprefix("\ufeff")))
-
-
-@contextmanager
-def _collector_paused() -> Iterator[None]:
-    """Reading makes many small objects and no cycles: searching them for cycles would triple the time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 # ---------------------------------------------------------------- the file
@@ -119,12 +106,13 @@ def _file_text(file: str) -> str:
         raise fail("E104", "the file is not text in UTF-8", "its first bytes mark it as UTF-16", "save it as UTF-8")
     if b"\0" in data:
         raise fail("E104", "the file is not text", "it holds bytes of value zero", "name a YAML file in UTF-8")
+    data = data.removeprefix(codecs.BOM_UTF8)
     try:
-        return data.decode("utf-8-sig")
+        return data.decode("utf-8")
     except UnicodeDecodeError as error:
         before = data[: error.start]
         line = before.count(b"\n") + 1
-        column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8-sig", "replace")) + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8", "replace")) + 1
         raise fail(
             "E104",
             "the file is not text in UTF-8",

@@ -11,6 +11,14 @@ from saoflow.diagnosis import Diagnosis, Note, Position
 
 LINE_BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")
 """Where YAML ends a line."""
+_LONGEST_ALIGNED = 20_000
+"""Characters of a scalar up to which places inside it are looked for."""
+_FARTHEST = 1000
+"""Characters of indentation and escapes that are skipped between two characters of a value."""
+_ESCAPES = dict(zip('0abtnvfre"/\\N_LP ', '\0\a\b\t\n\v\f\r\x1b"/\\\x85\xa0\u2028\u2029 ', strict=True))
+_PROPERTIES = re.compile(r"(?:[&!]\S*\s+)+")
+"""Anchors and tags before a value."""
+_ESCAPE = re.compile(r"\\(?:x([0-9a-fA-F]{2})|u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|.)")
 
 
 @final
@@ -121,9 +129,11 @@ class SourceText:
         if node.line == node.end_line and node.end_column - node.column == len(node.value) + 2 * quotes:
             line, column = node.line + 1, node.column + 1 + quotes
             return lambda offset, length: Position(file, line, column + offset, length)
-        places = self._align(node)
+        places: list[tuple[int, int]] = []
 
         def locate(offset: int, length: int) -> Position:
+            if not places:  # only where a place is asked for
+                places.extend(self._align(node))
             line, column = places[min(offset, len(places) - 1)]
             return Position(file, line, column, length)
 
@@ -131,27 +141,48 @@ class SourceText:
 
     def _align(self, node: Scalar) -> list[tuple[int, int]]:
         """The line and column (from 1) of each character of a scalar, and of its end, found by walking the text."""
-        line, column = node.line, node.column
-        if not node.plain:
-            column += 1
-            if (self.line(line + 1) or "")[column - 1 : column] in ("|", ">"):
-                line, column = line + 1, 0
+        if len(node.value) > _LONGEST_ALIGNED:
+            return [(node.line + 1, node.column + 1)]
+        atoms = self._atoms(node)
         places: list[tuple[int, int]] = []
-        last = (node.end_line, node.end_column)
+        at = 0
         for character in node.value:
-            if not character.isspace():
-                row, at = line, column
-                while (row, at) < last and row < len(self.lines):
-                    found = self.lines[row].find(character, at)
-                    if found >= 0 and (row, found) < last:
-                        line, column = row, found
-                        break
-                    row, at = row + 1, 0
-            places.append((line + 1, column + 1))
-            if not character.isspace():
-                column += 1
-        places.append((line + 1, column + 1))
+            found, end = at, min(at + _FARTHEST, len(atoms))
+            while found < end and atoms[found][0] != character and not character.isspace():
+                found += 1
+            if found < end:  # spaces need not be found: line ends become spaces
+                at = found
+            places.append(atoms[min(at, len(atoms) - 1)][1:])
+            if not character.isspace() or (at < len(atoms) and atoms[at][0].isspace()):
+                at += 1
+        places.append(atoms[at][1:] if at < len(atoms) else (atoms[-1][1], atoms[-1][2] + 1))
         return places
+
+    def _atoms(self, node: Scalar) -> list[tuple[str, int, int]]:
+        """The characters of a scalar in the text with line and column; an escape is one character. Never empty."""
+        first = self.line(node.line + 1) or ""
+        column = node.column
+        if (properties := _PROPERTIES.match(first, column)) is not None:
+            column = properties.end()
+        quote = first[column : column + 1] if not node.plain else ""
+        start = (node.line + 1, 0) if quote in ("|", ">") and quote else (node.line, column + len(quote))
+        atoms: list[tuple[str, int, int]] = []
+        for row in range(start[0], min(node.end_line + 1, len(self.lines))):
+            line = self.lines[row]
+            column = start[1] if row == start[0] else 0
+            stop = node.end_column if row == node.end_line else len(line)
+            while column < stop:
+                escape = _ESCAPE.match(line, column) if quote == '"' else None
+                if escape is not None:
+                    digits = escape.group(1) or escape.group(2) or escape.group(3)
+                    letter = escape.group()[1:]
+                    character = chr(min(int(digits, 16), 0x10FFFF)) if digits else _ESCAPES.get(letter, letter)
+                    atoms.append((character, row + 1, column + 1))
+                    column = escape.end()
+                else:
+                    atoms.append((line[column], row + 1, column + 1))
+                    column += 1
+        return atoms or [("", node.line + 1, node.column + 1)]
 
 
 def _visible(text: str) -> str:
