@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
@@ -40,11 +41,20 @@ class ValueReader:
             return self.named(node)
         if node.nothing:
             cause = f"`{text}` stands for nothing in YAML" if text else "it is empty"
+        elif text == "<<":
+            cause = "YAML's merge keys are not used in sheets: what a sheet says stands in it"
         elif len(text) > LONGEST_NAME:
             cause = f"it has {len(text)} characters; at most {LONGEST_NAME} are allowed"
         else:
             cause = "names consist of letters, digits and underscores, and do not start with a digit"
-        self.report("E112", f"`{short(text)}` is not a name for {what}", node, cause, "choose another name")
+        better = re.sub(r"\W+", "_", text).strip("_")
+        better = f"_{better}" if better[:1].isdigit() else better
+        remedy = (
+            f"write `{better}`, for example"
+            if better.isidentifier() and better != text and len(better) <= LONGEST_NAME
+            else "choose another name"
+        )
+        self.report("E112", f"`{short(text)}` is not a name for {what}", node, cause, remedy)
         return None
 
     def word(self, node: Node, what: str) -> str | None:
