@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
 from saoflow.diagrams.elaborate import elaborate
 from saoflow.diagrams.expression_parser import parse_expression
@@ -50,19 +51,24 @@ class LoadedSheet:
     @cached_property
     def netlist(self) -> Netlist:
         """Every parameter a number, every block a symbol, every shape and unit known."""
-        return elaborate(self.sheet, self.store, self.given)
+        with collector_paused():
+            return elaborate(self.sheet, self.store, self.given)
 
     @cached_property
     def schedule(self) -> Schedule:
         """The nodes in the order in which they run, checked by a second piece of code."""
-        schedule = order(self.netlist)
-        validate_schedule(schedule)
+        netlist = self.netlist
+        with collector_paused():
+            schedule = order(netlist)
+            validate_schedule(schedule)
         return schedule
 
     def program(self, real: int = 64, probes: Collection[str] = ()) -> FrameProgram:
         """What one frame executes, in ``real`` bits, with the probed wires among its results."""
-        program = simplify(lower(self.schedule, real=real, probes=probes))
-        validate_program(program)
+        schedule = self.schedule
+        with collector_paused():
+            program = simplify(lower(schedule, real=real, probes=probes))
+            validate_program(program)
         return program
 
     @cached_property
