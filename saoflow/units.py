@@ -240,7 +240,7 @@ def _parse(text: str) -> Unit | _Failure:
     try:
         return _UnitParser(text).read()
     except _Failure as failure:
-        return failure
+        return failure.with_traceback(None)
 
 
 class _UnitParser:

@@ -104,7 +104,11 @@ class _Evaluator(Arithmetic):
         return value
 
     def name(self, node: Name) -> Quantity:
-        found = self.names.get(node.text) or CONSTANTS.get(node.text)
+        found = self.names.get(node.text)
+        if found is not None:
+            # A parameter without a unit may stand for anything; only what is written as a number is a plain number.
+            return replace(found, literal=False) if found.literal else found
+        found = CONSTANTS.get(node.text)
         if found is None:
             known = [*self.names, *CONSTANTS]
             remedy = did_you_mean(node.text, known)

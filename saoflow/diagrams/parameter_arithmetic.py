@@ -267,10 +267,11 @@ def argument_counts(name: str) -> tuple[int, int]:
 
 def _product_unit(operator: str, a: Quantity, b: Quantity, size: int) -> Units:
     """Plain numbers leave the other's unit; a unit that is not stated makes the product's not stated."""
-    left: Units = DIMENSIONLESS if a.literal else a.unit
-    right: Units = DIMENSIONLESS if b.literal else b.unit
-    if a.literal and b.literal:
+    a_plain, b_plain = a.literal and a.unit is None, b.literal and b.unit is None
+    if a_plain and b_plain:
         return None
+    left: Units = DIMENSIONLESS if a_plain else a.unit
+    right: Units = DIMENSIONLESS if b_plain else b.unit
 
     def combine(x: Unit | None, y: Unit | None) -> Unit | None:
         if x is None or y is None:

@@ -200,6 +200,21 @@ def test_every_function_is_known_to_the_judge_and_runs() -> None:
         assert np.all(np.isfinite(value(f"{name}({argument})").array)), name
 
 
+def test_a_parameter_without_a_unit_is_not_a_plain_number() -> None:
+    """Its default may be a plain number, but ``dt: 0.048`` is in s, said or not."""
+    at = Position("p.yaml", 1, 1)
+    dt = evaluate(parse_expression("0.048", at), {})
+    rate = Quantity(np.array(2.0), U("kt/s"))
+    names = {"dt": dt, "rate": rate, "v": NAMES["v"], "k": Quantity(np.array(2.0), U("s"), literal=True)}
+    assert dt.literal
+    assert evaluate(parse_expression("dt*rate", at), names).unit is None
+    assert evaluate(parse_expression("v + dt*rate", at), names).unit is U("kt")
+    assert evaluate(parse_expression("0.048*rate", at), names).unit is U("kt/s")
+    assert evaluate(parse_expression("k*rate", at), names).unit is U("kt")
+    with pytest.raises(DiagnosisError, match="E211"):
+        evaluate(parse_expression("v + 0.048*rate", at), names)
+
+
 def test_words() -> None:
     assert value("mode").text == "matrix"
 
