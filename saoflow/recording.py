@@ -1,0 +1,204 @@
+"""Recordings: tables of frames in files, CSV (also gzip-compressed) or Parquet, one row a frame.
+
+A scalar port ``vg`` is the column ``vg``; a vector ``alpha`` of size 3 is ``alpha_1, alpha_2, alpha_3``; a matrix ``P``
+is ``P_1_1, P_1_2, ...``. Further columns are ignored, but ``t``, which is copied through. NaN, infinity and an empty
+cell are missing samples: they run, and are counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
+from saoflow.recording_file import Table, extension, read_columns
+from saoflow.recording_output import Output, check_output, write_table
+from saoflow.wires import WireType
+
+__all__ = [
+    "Frames",
+    "Output",
+    "Table",
+    "check_output",
+    "column_names",
+    "output_columns",
+    "read_frames",
+    "read_table",
+    "write_table",
+]
+
+TIME = "t"
+"""The column that is copied from the recording of the inputs to that of the outputs."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frames:
+    """A recording as a simulator takes it: one array (frames, *shape) per port, and the time column if there is one."""
+
+    inputs: dict[str, np.ndarray]
+    t: np.ndarray | None
+    count: int
+    missing: dict[str, int]
+    """How many samples are missing, by column; only columns where some are."""
+    warnings: tuple[Diagnosis, ...]
+
+
+def column_names(name: str, shape: tuple[int, ...]) -> list[str]:
+    """The columns of one port, in row-major order, numbered from 1."""
+    return [name + "".join(f"_{i + 1}" for i in index) for index in np.ndindex(*shape)]
+
+
+def read_table(path: str | Path, names: Sequence[str] | None = None) -> Table:
+    """The numbers of a recording: the named columns, or all of them. Raises DiagnosisError E501 to E506, E103, E605."""
+    return read_columns(str(path), lambda found: list(found) if names is None else _all_there(path, names, found))
+
+
+def _all_there(path: str | Path, names: Sequence[str], found: Sequence[str]) -> list[str] | list[Diagnosis]:
+    spare = [name for name in found if name not in set(names)]
+    missing = [name for name in names if name not in set(found)]
+    return [_no_column(str(path), name, "it is asked for", found, spare) for name in missing] or list(names)
+
+
+def read_frames(path: str | Path, ports: Mapping[str, WireType]) -> Frames:
+    """The inputs of a sheet from a recording. ``ports``: its inputs by name.
+
+    Raises DiagnosisError with all that is found: E501 (unreadable), E103, E504 (empty), E502 (a column is missing),
+    E503 (no number), E505 (rows of different length), E506 (a column twice), E110 (too large), E605 (no pyarrow).
+    """
+    where = str(path)
+    columns = {name: column_names(name, wire.shape) for name, wire in ports.items()}
+    needed = [column for port in columns.values() for column in port]
+
+    def choose(found: Sequence[str]) -> list[str] | list[Diagnosis]:
+        clashes = _shared(columns)
+        if clashes:
+            return clashes
+        there, wanted = set(found), set(needed)
+        spare = [name for name in found if name not in wanted]
+        problems = []
+        for name, port in columns.items():
+            for column in port:
+                if column not in there:
+                    shape = ports[name].shape
+                    cause = f"input `{name}` is {_shown(shape)}{f': columns {_few(port)}' if shape else ''}"
+                    problems.append(_no_column(where, column, cause, found, spare))
+        return problems or [*needed, *([TIME] if TIME in there and TIME not in wanted else [])]
+
+    flags = {column for name, wire in ports.items() if wire.boolean for column in columns[name]}
+    table = read_columns(where, choose, frozenset(flags))
+    inputs, missing = {}, {}
+    for name, port in columns.items():
+        wire = ports[name]
+        parts = [table[column] for column in port]
+        stacked = np.stack(parts, axis=-1) if wire.shape else parts[0]
+        finite = np.isfinite(stacked)
+        if not finite.all():
+            counts = np.count_nonzero(~finite, axis=0)
+            missing.update(
+                {column: int(n) for column, n in zip(port, np.atleast_1d(counts), strict=True) if n},
+            )
+            if wire.boolean:
+                stacked = np.where(finite, stacked, 0.0)
+        inputs[name] = stacked.reshape(len(table), *wire.shape)
+    t = table[TIME] if TIME in table.names and TIME not in needed else None
+    return Frames(inputs, t, len(table), missing, _warnings(where, len(table), missing, flags))
+
+
+def output_columns(
+    arrays: Mapping[str, np.ndarray], ports: Mapping[str, WireType], t: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """Columns of outputs (frames, *shape) for :func:`write_table`: ``t`` first, booleans as 0 and 1.
+
+    Raises DiagnosisError E506 if two ports share a column.
+    """
+    columns = {name: column_names(name, wire.shape) for name, wire in ports.items()}
+    clashes = _shared(columns)
+    if clashes:
+        raise DiagnosisError(clashes)
+    taken = {column for port in columns.values() for column in port}
+    table: dict[str, np.ndarray] = {} if t is None or TIME in taken else {TIME: t}
+    for name, wire in ports.items():
+        flat = np.asarray(arrays[name]).reshape(-1, wire.size)
+        for i, column in enumerate(columns[name]):
+            table[column] = flat[:, i].astype(np.int8) if wire.boolean else flat[:, i]
+    return table
+
+
+def _shared(columns: Mapping[str, Sequence[str]]) -> list[Diagnosis]:
+    """Ports whose elements have the same column: ``P`` of size 2 beside a scalar ``P_1``."""
+    owner: dict[str, str] = {}
+    found = []
+    for name, port in columns.items():
+        for column in port:
+            other = owner.setdefault(column, name)
+            if other != name:
+                found.append(
+                    Diagnosis(
+                        "E506",
+                        f"`{other}` and `{name}` share the column `{column}`",
+                        cause="elements of a vector are columns with a number behind the name",
+                        remedy=f"rename the port `{name}` in the sheet",
+                    )
+                )
+    return found
+
+
+def _no_column(path: str, column: str, cause: str, found: Sequence[str], spare: Sequence[str]) -> Diagnosis:
+    header = ",".join(found)
+    near = did_you_mean(column, spare)
+    remedy = near or f"add the column; the recording has: {_few(found)}"
+    text = extension(path) != ".parquet"
+    if text and len(found) == 1 and any(mark in header for mark in ";\t|"):
+        cause, remedy = "the names in the first line are not separated by commas", "save the file as CSV with commas"
+    elif text and found and all(_numeric(name) for name in found):
+        cause = "the first line holds numbers, not the names of the columns"
+        remedy = "put a header line first: the names, separated by commas"
+    return Diagnosis(
+        "E502",
+        f"there is no column `{column}`",
+        Position(path, 1, 1, max(1, len(header))),
+        cause,
+        remedy,
+        source_line=header if text else None,
+    )
+
+
+def _numeric(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _shown(shape: tuple[int, ...]) -> str:
+    if not shape:
+        return "a scalar: one column of its name"
+    return f"a vector of {shape[0]}" if len(shape) == 1 else "an array of " + " x ".join(map(str, shape))
+
+
+def _few(names: Sequence[str], most: int = 8) -> str:
+    shown = ", ".join(name or "(no name)" for name in names[:most])
+    return f"{shown}, ... ({len(names)} in all)" if len(names) > most else shown
+
+
+def _warnings(path: str, rows: int, missing: Mapping[str, int], flags: set[str]) -> tuple[Diagnosis, ...]:
+    if not missing:
+        return ()
+    total = sum(missing.values())
+    worst = sorted(missing.items(), key=lambda item: -item[1])
+    shown = ", ".join(f"{column} {n}" for column, n in worst[:8])
+    more = f", and {len(worst) - 8} further columns" if len(worst) > 8 else ""
+    taken = "; a missing boolean is taken as 0" if flags & set(missing) else ""
+    return (
+        Diagnosis(
+            "W501",
+            f"{total} missing {'sample' if total == 1 else 'samples'} in {rows} {'row' if rows == 1 else 'rows'}",
+            Position(path, 1, 1),
+            f"not a finite number, or an empty cell: {shown}{more}",
+            f"none needed if the sheet is made for it: the samples go in as they are, an empty cell as NaN{taken}",
+        ),
+    )
