@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from saoflow.blocks.symbol import Arguments, Port, Symbol, SymbolProblem, connected, need_real, present
 from saoflow.operations import ZERO, Expander, Tensor
-from saoflow.units import Unit, Units, collapse
+from saoflow.units import Unit, collapse
 from saoflow.wires import WireType, shape_text
 
 
@@ -22,7 +22,7 @@ class Diagonal(Symbol[None]):
         """Nothing to configure."""
 
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: None) -> WireType:
-        """n x n. Elements off the diagonal state no unit where those on it differ. Raises SymbolProblem E204."""
+        """n x n. Elements off the diagonal are plain zeros: they state no unit. Raises SymbolProblem E204."""
         need_real(inputs, self.name)
         (wire,) = present(inputs)
         if len(wire.shape) != 1:
@@ -34,12 +34,9 @@ class Diagonal(Symbol[None]):
                 operand=0,
             )
         n = wire.shape[0]
-        units: Units = wire.units
-        if isinstance(units, tuple):
-            flat: list[Unit | None] = [None] * (n * n)
-            flat[:: n + 1] = units
-            units = collapse(flat)
-        return WireType((n, n), False, units)
+        flat: list[Unit | None] = [None] * (n * n)
+        flat[:: n + 1] = wire.element_units()
+        return WireType((n, n), False, collapse(flat))
 
     def expand(
         self, inputs: tuple[Tensor | None, ...], output: WireType, configuration: None, emit: Expander
