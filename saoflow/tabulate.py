@@ -47,7 +47,7 @@ __all__ = [
 MOST_POINTS = 20_000
 """The most values that a computed table may have."""
 
-_DEEPEST = 40
+_DEEPEST = 120
 """How often the range is halved in search of a singularity."""
 
 
