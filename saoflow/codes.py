@@ -71,4 +71,6 @@ CODES: dict[str, str] = {
     "E606": "no such flight or aircraft",
     "E607": "the backend is not available",
     "E608": "no such target",
+    "E609": "the command line cannot be understood",
+    "E699": "an error inside saoflow",
 }

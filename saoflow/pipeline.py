@@ -27,6 +27,7 @@ from saoflow.scheduler.schedule import Schedule, order
 from saoflow.scheduler.simplify import simplify
 from saoflow.scheduler.simulator import Simulator
 from saoflow.scheduler.validate import validate_program, validate_schedule
+from saoflow.wires import WireType
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -75,6 +76,18 @@ class LoadedSheet:
     def frame_program(self) -> FrameProgram:
         """The program in binary64 without probes: what is counted."""
         return self.program()
+
+    @property
+    def input_types(self) -> dict[str, WireType]:
+        """Shape, kind and unit of every input, by name."""
+        body = self.netlist.root
+        return {port.name: body.type_of(port.wire) for port in body.structure.inputs}
+
+    @property
+    def output_types(self) -> dict[str, WireType]:
+        """Shape, kind and unit of every output, by name."""
+        body = self.netlist.root
+        return {port.name: body.type_of(port.wire) for port in body.structure.outputs}
 
     def check(self) -> None:
         """Read, elaborate and order. Raises DiagnosisError."""

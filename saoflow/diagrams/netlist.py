@@ -160,3 +160,33 @@ def flat_nodes(body: Body, prefix: str = "") -> Iterator[tuple[str, Node, Body]]
                 yield path + node.path, node, here
             else:
                 stack.append((child, f"{path}{node.path}."))
+
+
+def count_instances(netlist: Netlist) -> tuple[int, int]:
+    """How many blocks and how many sub-sheets a root sheet contains, every instance of a fold or map counted.
+
+    Wiring inside operands (``C.T``) is no block.
+    """
+    known: dict[int, tuple[int, int]] = {}
+    stack = [netlist.root]
+    while stack:
+        body = stack[-1]
+        below = [child for child in body.children if child is not None]
+        waiting = [child for child in below if id(child) not in known]
+        if waiting:
+            stack.extend(waiting)
+            continue
+        stack.pop()
+        own = sum(1 for node in body.nodes if node.child is None and "#" not in node.path)
+        blocks = own + sum(known[id(child)][0] for child in below)
+        placed = {instance for node in body.nodes for instance in _instances(node.path)}
+        known[id(body)] = (blocks, len(placed) + len(below) + sum(known[id(child)][1] for child in below))
+    return known[id(netlist.root)]
+
+
+def _instances(path: str) -> Iterator[str]:
+    """The sheet instances that were laid out in place around a node: ``a`` and ``a.b[1]`` of ``a.b[1].c``."""
+    end = path.rfind(".")
+    while end > 0:
+        yield path[:end]
+        end = path.rfind(".", 0, end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -33,6 +34,9 @@ class TableCost:
     name: str
     points: int
     uses: int
+    """How many look-ups a frame does."""
+    search_steps: int
+    """Comparisons of a binary search for the interval, along all axes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +102,7 @@ class BudgetReport:
             "tree": self.tree.to_dict(),
             "state_slots": self.state_slots,
             "procedures": self.procedures,
-            "tables": [{"name": t.name, "points": t.points, "uses": t.uses} for t in self.tables],
+            "tables": [{"name": t.name, "points": t.points, "uses": t.uses, "search_steps": t.search_steps} for t in self.tables],
         }
 
     def __str__(self) -> str:
@@ -127,7 +131,13 @@ def budget_report(program: FrameProgram, netlist: Netlist) -> BudgetReport:
         for op in body:
             uses[op] += times
     tables = tuple(
-        TableCost(table.name, int(table.values.size), n) for table, n in zip(program.tables, uses, strict=True)
+        TableCost(
+            table.name,
+            int(table.values.size),
+            n,
+            sum(max(0, math.ceil(math.log2(len(axis)))) for axis in table.breakpoints),
+        )
+        for table, n in zip(program.tables, uses, strict=True)
     )
     return BudgetReport(
         program.sheet,

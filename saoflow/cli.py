@@ -1,0 +1,205 @@
+"""The command line ``saoflow``: finds a command, runs it, and turns whatever happens into an exit code.
+
+Commands are functions for typer, imported only when they are asked for. Those of other packages join through the
+entry-point group ``saoflow.commands``; one that cannot be imported does not disturb the others.
+
+Exit codes: 0 success; 1 what is checked does not hold; 2 bad input or usage; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from typing import Any
+
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "show", "symbols")}
+GROUP = "saoflow.commands"
+ORDER = ("demo", "check", "run", "budget", "verify", "fly", "show", "symbols")
+"""The order in which help lists commands; further ones follow."""
+
+Command = Callable[..., Any]
+
+USAGE = """\
+Usage: saoflow COMMAND ...
+
+Block diagrams in YAML from a restricted symbol set, run inside an operation budget.
+
+Commands:
+{commands}
+
+`saoflow COMMAND --help` explains a command, with an example.
+`saoflow --version` prints the version.
+Exit codes: 0 success, 1 what is checked does not hold, 2 bad input or usage."""
+
+
+def main() -> None:
+    """The entry point: runs ``sys.argv`` and exits."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command line; returns its exit code. Never raises for bad input."""
+    try:
+        code = _dispatch(list(arguments))
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read our output has enough. Nothing more is written, not even when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        return _failed(error)
+
+
+def _dispatch(arguments: list[str]) -> int:
+    if not arguments or arguments[0] in ("--help", "-h", "help"):
+        if len(arguments) > 1 and arguments[0] == "help":
+            return _dispatch([arguments[1], "--help"])
+        print(_usage())
+        return 0 if arguments else 2
+    if arguments[0] == "--version":
+        print(f"saoflow {_version()}")
+        return 0
+    name = arguments[0]
+    command = _find(name)
+    return 2 if command is None else _call(name, command, arguments[1:])
+
+
+def _call(name: str, function: Command, arguments: list[str]) -> int:
+    """Parse the arguments of a command and run it."""
+    import typer
+    import typer.main
+
+    # Help in the terminal's width, without decorations that a screen reader or a log would stumble over.
+    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.command(name)(function)
+    command = typer.main.get_command(app)
+    try:
+        result = command.main(arguments, prog_name=f"saoflow {name}", standalone_mode=False)
+    except typer.Exit as leave:
+        return leave.exit_code
+    except typer.Abort:
+        return 130
+    except Exception as error:
+        if not hasattr(error, "format_message"):
+            raise
+        return _misused(name, error, [option for parameter in command.params for option in parameter.opts])
+    return result if isinstance(result, int) else 0
+
+
+def _misused(name: str, error: Any, options: list[str]) -> int:
+    """A command line that the parser refuses, as a diagnosis."""
+    from saoflow.diagnosis import did_you_mean
+
+    message = str(error.format_message()).split(" Did you mean")[0].split(" (Possible options")[0].rstrip(".")
+    wrong = getattr(error, "option_name", None)
+    near = did_you_mean(wrong, options) if wrong and "o such option" in message else ""
+    return _refuse(
+        message[:1].lower() + message[1:],
+        f"the command line of `saoflow {name}` does not allow it",
+        near or f"`saoflow {name} --help` shows what it takes, with an example",
+    )
+
+
+def _refuse(message: str, cause: str, remedy: str) -> int:
+    from saoflow.diagnosis import Diagnosis
+
+    print(Diagnosis("E609", message, cause=cause, remedy=remedy).render(), file=sys.stderr)
+    return 2
+
+
+def _failed(error: Exception) -> int:
+    """What no command foresaw: diagnoses that came through, or an error of ours."""
+    from saoflow.diagnosis import Diagnosis, DiagnosisError
+
+    if isinstance(error, DiagnosisError):
+        print(error, file=sys.stderr)
+        return 2
+    if os.environ.get("SAOFLOW_TRACEBACK"):
+        traceback.print_exception(error)
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    report = Diagnosis(
+        "E699",
+        f"an error inside saoflow: {type(error).__name__}: {error}",
+        cause=f"saoflow {_version()} did not foresee this, in {os.path.basename(frame.filename)}, line {frame.lineno}",
+        remedy="please report it with the input; SAOFLOW_TRACEBACK=1 shows where it happened",
+    )
+    print(report.render(), file=sys.stderr)
+    return 2
+
+
+# -- finding commands
+
+
+def _find(name: str) -> Command | None:
+    """The function of a command; None after a diagnosis."""
+    if name in BUILT_IN:
+        return _load(BUILT_IN[name])
+    joined = _joined()
+    if name not in joined:
+        from saoflow.diagnosis import did_you_mean
+
+        _refuse(
+            f"there is no {'option' if name.startswith('-') else 'command'} `{name}`",
+            f"the commands are: {', '.join(_in_order({*BUILT_IN, *joined}))}",
+            did_you_mean(name, {*BUILT_IN, *joined}) or "`saoflow --help` explains them",
+        )
+        return None
+    try:
+        return _load(joined[name])
+    except Exception as error:
+        if os.environ.get("SAOFLOW_TRACEBACK"):
+            traceback.print_exception(error)
+        _refuse(
+            f"the command `{name}` cannot be loaded",
+            f"importing {joined[name]} gives {type(error).__name__}: {error}",
+            "install its package again",
+        )
+        return None
+
+
+def _joined() -> dict[str, str]:
+    """The commands of the entry-point group, as ``module:function``."""
+    from importlib.metadata import entry_points
+
+    return {entry.name: entry.value for entry in entry_points(group=GROUP) if entry.name not in BUILT_IN}
+
+
+def _load(place: str) -> Command:
+    module, _, function = place.partition(":")
+    found: Command = getattr(importlib.import_module(module), function.split("[")[0].strip())
+    return found
+
+
+def _in_order(names: set[str]) -> list[str]:
+    return [name for name in ORDER if name in names] + sorted(names - set(ORDER))
+
+
+def _usage() -> str:
+    places = {**_joined(), **BUILT_IN}
+    lines = []
+    for name in _in_order(set(places)):
+        try:
+            summary = (_load(places[name]).__doc__ or "").strip().splitlines()[0]
+        except Exception as error:
+            summary = f"(cannot be loaded: {error})"
+        lines.append(f"  {name:<9}{summary}")
+    return USAGE.format(commands="\n".join(lines))
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("saoflow")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,165 @@
+"""Budget reports as tables for a terminal."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from saoflow.scheduler.budget import BudgetReport
+    from saoflow.scheduler.counts import CountTree
+
+BAR = 20
+"""Characters of a full bar."""
+
+
+@dataclass(frozen=True, slots=True)
+class CostLine:
+    """One line of the tree: a sub-sheet or block, or several instances of a fold or map that cost the same."""
+
+    level: int
+    name: str
+    instances: int
+    operations: int
+    """Of all instances together."""
+
+
+def print_budget(report: BudgetReport, console: Console, depth: int = 3) -> None:
+    """By kind against the limits, by sub-sheet, look-ups with their inner costs, and what else a frame needs."""
+    from rich.table import Table
+    from rich.text import Text
+
+    limit = next((line.limit for line in report.lines if line.kind == "operations"), None)
+    share = "" if not limit else f" of {_number(limit)} ({_percent(report.total, limit)})"
+    period = "" if report.period is None else f", every {report.period:g} s"
+    console.print(Text(f"{report.sheet}: {_number(report.total)} operations a frame{share}{period}", style="bold"))
+    kinds = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for title in ("kind", "used", "limit", "", ""):
+        kinds.add_column(title, justify="right" if title in ("used", "limit") else "left", no_wrap=True)
+    for line in report.lines:
+        allowed = "" if line.limit is None else _number(line.limit)
+        bar = "" if not line.limit else f"{_bar(line.used / line.limit)} {_percent(line.used, line.limit)}"
+        style = "bold red" if line.over else ""
+        over = "OVER BUDGET" if line.over else ""
+        kinds.add_row(*(Text(cell, style) for cell in (line.kind, _number(line.used), allowed, bar, over)))
+    console.print(kinds)
+    if report.tree.parts and depth:
+        console.print(_tree_table(report, depth))
+    if report.tables:
+        console.print(_lookup_table(report))
+    console.print(
+        Text(
+            f"{_many(report.state_slots, 'state slot')}, {_many(report.procedures, 'procedure')}, "
+            f"{_many(len(report.tables), 'table')}"
+        )
+    )
+
+
+def _tree_table(report: BudgetReport, depth: int) -> object:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("sub-sheet", no_wrap=True, overflow="ellipsis", min_width=24)
+    for title in ("operations", "share"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for line in cost_lines(report.tree, depth):
+        each = "" if line.instances == 1 else f"{line.instances} x {_number(line.operations // line.instances)}"
+        share = line.operations / max(1, report.total)
+        cells = ("  " * line.level + line.name, _number(line.operations), f"{100 * share:.1f} %", _bar(share), each)
+        table.add_row(*map(Text, cells))
+    return table
+
+
+def _lookup_table(report: BudgetReport) -> object:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("table", no_wrap=True, overflow="ellipsis", min_width=24)
+    for title in ("look-ups", "points", "search steps"):
+        table.add_column(title, justify="right", no_wrap=True)
+    for cost in report.tables:
+        cells = (cost.name, _number(cost.uses), _number(cost.points), _number(cost.search_steps))
+        table.add_row(*map(Text, cells))
+    return table
+
+
+def cost_lines(tree: CountTree, depth: int) -> Iterator[CostLine]:
+    """The sub-sheets of a count tree down to a depth; instances that cost the same are one line ``stages[0..2]``."""
+    stack: list[tuple[int, CostLine, CountTree]] = [(0, CostLine(0, tree.name, 1, tree.total), tree)]
+    while stack:
+        level, line, here = stack.pop()
+        yield line
+        if level >= depth:
+            continue
+        for name, count, part in reversed(list(_runs([p for p in here.parts.values() if p.total]))):
+            total = part.total * count
+            stack.append((level + 1, CostLine(level + 1, name, line.instances * count, line.instances * total), part))
+
+
+INSTANCE = re.compile(r"(.*)\[(\d+)\]")
+
+
+def _runs(parts: Sequence[CountTree]) -> Iterator[tuple[str, int, CountTree]]:
+    """Instances with consecutive numbers and equal costs, together: name, how many, and the first of them."""
+    i = 0
+    while i < len(parts):
+        first = INSTANCE.fullmatch(parts[i].name)
+        end = i + 1
+        while first and end < len(parts) and _follows(parts[end - 1], parts[end]):
+            end += 1
+        count = end - i
+        if first is None or count == 1:
+            yield parts[i].name, 1, parts[i]
+        else:
+            low, high = int(first[2]), int(first[2]) + count - 1
+            last = INSTANCE.fullmatch(parts[end - 1].name)
+            assert last is not None
+            low, high = min(int(first[2]), int(last[2])), max(int(first[2]), int(last[2]))
+            yield f"{first[1]}[{low}..{high}]", count, parts[i]
+        i = end
+
+
+def _follows(a: CountTree, b: CountTree) -> bool:
+    """Whether ``b`` is the next (or, in a reverse fold, the previous) instance after ``a`` and costs the same."""
+    one, two = INSTANCE.fullmatch(a.name), INSTANCE.fullmatch(b.name)
+    if one is None or two is None or one[1] != two[1] or abs(int(one[2]) - int(two[2])) != 1:
+        return False
+    return _same_costs(a, b)
+
+
+def _same_costs(a: CountTree, b: CountTree) -> bool:
+    stack = [(a, b)]
+    while stack:
+        x, y = stack.pop()
+        if x.kinds != y.kinds or list(x.parts) != list(y.parts):
+            return False
+        stack.extend(zip(x.parts.values(), y.parts.values(), strict=True))
+    return True
+
+
+def _bar(share: float) -> str:
+    eighths = min(BAR * 8, round(max(0.0, share) * BAR * 8))
+    whole, rest = divmod(eighths, 8)
+    return "█" * whole + ("", "▏", "▎", "▍", "▌", "▋", "▊", "▉")[rest]
+
+
+def _percent(used: float, limit: float) -> str:
+    return f"{100 * used / limit:.0f} %"
+
+
+def _number(value: float) -> str:
+    """Thousands apart: ``19 500``."""
+    return f"{value:,.0f}".replace(",", " ") if math.isclose(value, round(value)) else f"{value:g}"
+
+
+def _many(count: int, word: str) -> str:
+    return f"{_number(count)} {word}{'' if count == 1 else 's'}"
