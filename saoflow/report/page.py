@@ -1,0 +1,132 @@
+"""The page of a report: HTML with styles and plots inside, nothing fetched from anywhere."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.operations import COUNTED_KINDS
+from saoflow.report.contents import Array, Arrays, Limits, Report, RunShown, TextTable
+from saoflow.report.estimator import Shown, estimator_plots
+from saoflow.report.others import difference_plots, draw_budget, output_plots
+from saoflow.report.panels import draw
+from saoflow.report.style import css_colours, style, svg
+
+if TYPE_CHECKING:
+    from saoflow.pipeline import LoadedSheet
+
+PARAMETERS_OF_LIMITS = {
+    "alpha_threshold": "alpha_threshold_deg",
+    "vc_threshold": "vc_threshold_kt",
+    "wx_max": "wx_bound_kt",
+    "wz_max": "wz_bound_kt",
+}
+"""Parameters of a sheet, and the limits that they are in the plots."""
+
+
+def report_of_run(sheet: LoadedSheet, inputs: Arrays, outputs: Arrays, time: Array | None = None) -> Report:
+    """The report of one run of a sheet.
+
+    ``inputs`` and ``outputs`` as the simulator takes and gives them, (frames, *shape); ``time`` (frames,) [s],
+    else made from the sheet's frame period, else the number of the frame.
+    """
+    budget = sheet.budget()
+    frames = len(next(iter(outputs.values())))
+    clock: Array = np.arange(frames) * (budget.period or 1.0) if time is None else np.asarray(time, dtype=np.float64)
+    return Report(
+        title=f"{sheet.name}: {frames} frames",
+        time=clock,
+        runs=(RunShown(sheet.name, outputs),),
+        inputs=inputs,
+        limits=limits_of(sheet),
+        budget=budget,
+    )
+
+
+def limits_of(sheet: LoadedSheet) -> Limits:
+    """The thresholds and bounds among the parameters of a sheet, those of :data:`PARAMETERS_OF_LIMITS`."""
+    found: dict[str, float] = {}
+    for name, text in sheet.netlist.parameters:
+        field = PARAMETERS_OF_LIMITS.get(name)
+        if field is not None:
+            try:
+                found[field] = float(text.split()[0])
+            except (ValueError, IndexError):
+                continue
+    return Limits(**found)
+
+
+def render_report(report: Report, progress: Callable[[float], None] | None = None) -> str:
+    """The whole page as text. ``progress`` is told the share of it that is done, 0 to 1."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(Path(__file__).parent)
+    environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    template = environment.get_template("page.html")
+    return template.render(
+        report=report,
+        colours=css_colours(),
+        plots=_drawn(report, progress or (lambda _: None)),
+        budget_svg=_budget_svg(report),
+        kinds=_kinds(report),
+    )
+
+
+def write_report(path: str | os.PathLike[str], report: Report, progress: Callable[[float], None] | None = None) -> None:
+    """Write the page, all of it or nothing. Raises DiagnosisError E601 if the file cannot be written."""
+    text = render_report(report, progress)
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, target)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E601",
+                    f"{target}: the report cannot be written",
+                    cause=error.strerror or str(error),
+                    remedy="name a file in a folder that exists and that you may write to",
+                )
+            ]
+        ) from None
+
+
+def _drawn(report: Report, progress: Callable[[float], None]) -> list[tuple[Shown, str]]:
+    """The plots in the order of the page, each with its SVG; the budget's has no plot of its own."""
+    shown = estimator_plots(report) if all(run.is_estimator for run in report.runs) else output_plots(report)
+    shown += difference_plots(report)
+    drawn: list[tuple[Shown, str]] = []
+    for i, one in enumerate(shown):
+        with style(one.name):
+            drawn.append((one, svg(draw(one.plot, report.time), one.name)))
+        progress((i + 1) / (len(shown) + 1))
+    progress(1.0)
+    return drawn
+
+
+def _budget_svg(report: Report) -> str:
+    if report.budget is None:
+        return ""
+    with style("budget"):
+        return svg(draw_budget(report.budget), "budget")
+
+
+def _kinds(report: Report) -> TextTable | None:
+    """Operations by kind as a table, with limits where the sheet states them."""
+    budget = report.budget
+    if budget is None:
+        return None
+    kinds = [kind for kind in COUNTED_KINDS if budget.tree.kinds[kind]]
+    return TextTable(
+        "Operations by kind",
+        tuple(kinds),
+        (tuple(f"{budget.tree.kinds[kind]:,}".replace(",", "\N{NARROW NO-BREAK SPACE}") for kind in kinds),),
+    )

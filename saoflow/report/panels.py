@@ -1,0 +1,221 @@
+"""Panels of curves over time: one figure a quantity, one panel a run, all with the same time axis.
+
+Curves are labelled where they end, in a gutter at the right of each panel, so no legend is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from saoflow.report.contents import Array, Mark
+from saoflow.report.style import LIGHT
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, LEFT, GUTTER, TOP, BOTTOM = 10.0, 0.62, 0.98, 0.34, 0.42
+"""Inches: the same in every figure, so that instants stand below each other."""
+
+
+LineStyle = str | tuple[float, tuple[float, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """``values`` (frames,) or (frames, several), with a label at the end and a role of :data:`LIGHT`.
+
+    ``style`` is matplotlib's line style; ``steps`` draws a stair.
+    """
+
+    values: Array
+    label: str
+    role: str
+    width: float = 1.1
+    style: LineStyle = "-"
+    steps: bool = False
+
+
+@dataclass(frozen=True)
+class Level:
+    """A horizontal line across the panel: a threshold or a bound."""
+
+    value: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Dot:
+    """A point worth noticing."""
+
+    time: float
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One run's picture of one quantity."""
+
+    title: str
+    curves: tuple[Curve, ...]
+    levels: tuple[Level, ...] = ()
+    marks: tuple[Mark, ...] = ()
+    dots: tuple[Dot, ...] = ()
+    ticks: tuple[tuple[float, str], ...] = ()
+    """Values with a name of their own instead of numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plot:
+    """One figure: a quantity with its unit, the panels side by side, the height of a panel [in]."""
+
+    quantity: str
+    panels: tuple[Panel, ...]
+    height: float = 1.7
+    y_limits: tuple[float, float] | None = None
+    logarithmic: bool = False
+
+
+def draw(plot: Plot, time: Array) -> Figure:
+    """The figure of one plot; ``time`` (frames,) [s]. Call inside :func:`saoflow.report.style.style`."""
+    from matplotlib.figure import Figure
+
+    height = TOP + plot.height + BOTTOM
+    figure = Figure(figsize=(WIDTH, height))
+    columns = len(plot.panels)
+    width = (WIDTH - LEFT - GUTTER * columns) / columns
+    limits = plot.y_limits or _limits(plot)
+    for i, panel in enumerate(plot.panels):
+        left = LEFT + i * (width + GUTTER)
+        box = (left / WIDTH, BOTTOM / height, width / WIDTH, plot.height / height)
+        axes = figure.add_axes(box)
+        draw_panel(axes, panel, time, limits, plot.logarithmic)
+        if i == 0:
+            axes.set_ylabel(plot.quantity)
+        else:
+            axes.tick_params(labelleft=bool(panel.ticks))
+    return figure
+
+
+def draw_panel(axes: Axes, panel: Panel, time: Array, limits: tuple[float, float], logarithmic: bool = False) -> None:
+    """One panel on its axes."""
+    axes.set_xlim(float(time[0]), float(time[-1]))
+    if logarithmic:
+        axes.set_yscale("log")
+    axes.set_ylim(*limits)
+    axes.set_xlabel("time [s]", labelpad=2)
+    axes.set_title(panel.title, loc="left", color=LIGHT["ink"], fontweight="bold", pad=14 if panel.marks else 5)
+    labels: list[tuple[float, str, str]] = []
+    for level in panel.levels:
+        axes.axhline(level.value, color=LIGHT["limit"], linewidth=0.8, linestyle=(0, (4, 2.5)))
+        labels.append((level.value, level.label, "limit"))
+    for curve in panel.curves:
+        _curve(axes, curve, time)
+        if curve.label:
+            labels.append((_end(curve), curve.label, curve.role))
+    for dot in panel.dots:
+        axes.plot([dot.time], [dot.value], "o", markersize=4.2, color=LIGHT["limit"], zorder=5)
+    if panel.ticks:
+        axes.set_yticks([value for value, _ in panel.ticks], [text for _, text in panel.ticks])
+    _marks(axes, panel.marks, time)
+    _end_labels(axes, labels, limits, logarithmic)
+
+
+def _curve(axes: Axes, curve: Curve, time: Array) -> None:
+    values = curve.values if curve.values.ndim == 2 else curve.values[:, None]
+    for column in values.T:
+        axes.plot(
+            time,
+            column,
+            color=LIGHT[curve.role],
+            linewidth=curve.width,
+            linestyle=curve.style,
+            drawstyle="steps-post" if curve.steps else "default",
+        )
+
+
+def _end(curve: Curve) -> float:
+    """Where the curve ends: the last finite value, the mean of several."""
+    values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
+    finite = values[np.isfinite(values)]
+    return float(finite[-1]) if finite.size else 0.0
+
+
+def _marks(axes: Axes, marks: Sequence[Mark], time: Array) -> None:
+    """Vertical lines with words above the panel; words that would meet go left and right of their lines."""
+    span = float(time[-1] - time[0]) or 1.0
+    for i, mark in enumerate(sorted(marks, key=lambda m: m.time)):
+        axes.axvline(mark.time, color=LIGHT["soft"], linewidth=0.6, zorder=1)
+        crowded = i + 1 < len(marks) and sorted(m.time for m in marks)[i + 1] - mark.time < 0.22 * span
+        late = mark.time - float(time[0]) > 0.8 * span
+        axes.annotate(
+            mark.text,
+            (mark.time, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(-2 if crowded or late else 2, 3),
+            textcoords="offset points",
+            ha="right" if crowded or late else "left",
+            va="bottom",
+            fontsize=7,
+            color=LIGHT["soft"],
+        )
+
+
+def _end_labels(
+    axes: Axes, labels: list[tuple[float, str, str]], limits: tuple[float, float], logarithmic: bool
+) -> None:
+    """Labels beside the right edge at the height of what they name, moved apart where they would touch."""
+    if not labels:
+        return
+    points = axes.bbox.height / axes.figure.dpi * 72
+    scale = np.log10 if logarithmic else np.asarray
+    low, high = (float(scale(limit)) for limit in limits)
+    wanted = sorted(
+        ((float(scale(min(max(y, limits[0]), limits[1]))) - low) / (high - low) * points, text, role)
+        for y, text, role in labels
+    )
+    for y, (target, text, role) in zip(_spread([w[0] for w in wanted], points), wanted, strict=True):
+        axes.annotate(
+            text,
+            (1.0, target / points),
+            xycoords="axes fraction",
+            xytext=(5, y - target),
+            textcoords="offset points",
+            ha="left",
+            va="center",
+            fontsize=7.5,
+            color=LIGHT[role],
+        )
+
+
+def _spread(positions: list[float], room: float, gap: float = 10.5) -> list[float]:
+    """Rising positions at least ``gap`` apart, as near as may be to those given; they may leave ``room`` a little."""
+    placed = list(positions)
+    for _ in range(60):
+        moved = False
+        for i in range(len(placed) - 1):
+            short = gap - (placed[i + 1] - placed[i])
+            if short > 1e-6:
+                placed[i] -= short / 2
+                placed[i + 1] += short / 2
+                moved = True
+        if not moved:
+            break
+    return placed
+
+
+def _limits(plot: Plot) -> tuple[float, float]:
+    """Room for every curve and level of all panels."""
+    parts = [np.ravel(curve.values) for panel in plot.panels for curve in panel.curves]
+    parts += [np.array([level.value for panel in plot.panels for level in panel.levels])]
+    values = np.concatenate(parts)
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return 0.0, 1.0
+    low, high = float(values.min()), float(values.max())
+    margin = 0.06 * (high - low) or max(abs(high), 1.0) * 0.06
+    return low - margin, high + margin
