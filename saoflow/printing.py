@@ -31,6 +31,13 @@ class CostLine:
 
 def print_budget(report: BudgetReport, console: Console, depth: int = 3) -> None:
     """By kind against the limits, by sub-sheet, look-ups with their inner costs, and what else a frame needs."""
+    with console.capture() as captured:
+        _budget(report, console, depth)
+    # Tables are padded to their full width; that is of no use in a file.
+    console.file.write("".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()))
+
+
+def _budget(report: BudgetReport, console: Console, depth: int) -> None:
     from rich.table import Table
     from rich.text import Text
 

@@ -17,6 +17,10 @@ class Add(Symbol[tuple[int, ...]]):
     name: ClassVar[str] = "add"
     summary: ClassVar[str] = "sum of the operands, left to right; write -x to subtract"
     equation: ClassVar[str] = "y = ± u1 ± u2 ± ..."
+    examples: ClassVar[tuple[str, ...]] = (
+        "{add: [x, y, -z]}",
+        "{add: [v, -w]}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "an operand; a scalar is added to every element"),)
     variadic: ClassVar[bool] = True
     takes_signs: ClassVar[bool] = True

@@ -19,6 +19,10 @@ class Compare(Symbol[str]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "is the relation true? with NaN it is false"
     equation: ClassVar[str] = "y = (a relation b)"
+    examples: ClassVar[tuple[str, ...]] = (
+        '{compare: [x, y], relation: ">"}',
+        '{compare: [v, 0], relation: "<="}',
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("a", "left side"), Port("b", "right side"))
     parameters: ClassVar[tuple[Parameter, ...]] = (RELATION,)
 

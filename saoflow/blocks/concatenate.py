@@ -34,6 +34,10 @@ class Concatenate(Symbol[str]):
     name: ClassVar[str] = "concatenate"
     summary: ClassVar[str] = "joins wires along an axis; as an operand: [a, b] stacks along a new first axis"
     equation: ClassVar[str] = "y = [u1; u2; ...]"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{concatenate: [x, v]}",
+        "{concatenate: [A, B], axis: columns}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a part"),)
     variadic: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (AXIS,)

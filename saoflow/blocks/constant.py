@@ -28,6 +28,10 @@ class Constant(Symbol[Value]):
     name: ClassVar[str] = "constant"
     summary: ClassVar[str] = "a fixed value; costs nothing, and its zeros and ones are left out of products and sums"
     equation: ClassVar[str] = "y = value"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{constant: 9.80665, unit: m/s^2}",
+        "{constant: [[1, 0], [0, 1]]}",
+    )
     ports: ClassVar[tuple[Port, ...]] = ()
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("value", "array", "the number, vector or matrix"),

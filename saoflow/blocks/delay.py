@@ -32,6 +32,10 @@ class Delay(Symbol[Memory]):
     name: ClassVar[str] = "delay"
     summary: ClassVar[str] = "the value of n frames ago; before that, the initial value"
     equation: ClassVar[str] = "y_k = u_{k-n};  y_k = initial for k < n"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{delay: x, initial: 0}",
+        "{delay: v, frames: 2}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "what is remembered"),)
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("initial", "array", "value before the first frame (default 0); a scalar serves every element"),

@@ -16,6 +16,7 @@ class Diagonal(Symbol[None]):
     name: ClassVar[str] = "diagonal"
     summary: ClassVar[str] = "the diagonal matrix of a vector; as an operand: diag(R)"
     equation: ClassVar[str] = "y_ii = u_i, y_ij = 0"
+    examples: ClassVar[tuple[str, ...]] = ("{diagonal: v}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a vector"),)
 
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> None:

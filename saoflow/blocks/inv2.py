@@ -17,6 +17,10 @@ class Inv2(Symbol[None]):
     name: ClassVar[str] = "inv2"
     summary: ClassVar[str] = "inverse of a 2x2 matrix by its adjugate; of diag(x, 1): one reciprocal"
     equation: ClassVar[str] = "[[a, b], [c, d]]^-1 = [[d, -b], [-c, a]] · (1 / (a d - b c))"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{inv2: A}",
+        '{inv2: "[[x, 0], [0, 1]]"}',
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a 2x2 matrix"),)
 
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> None:

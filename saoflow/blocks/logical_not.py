@@ -17,6 +17,7 @@ class LogicalNot(Symbol[None]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "true if the operand is false"
     equation: ClassVar[str] = "y = ¬u"
+    examples: ClassVar[tuple[str, ...]] = ("{not: p}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a boolean", boolean=True),)
 
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> None:

@@ -18,6 +18,7 @@ class LogicalOr(Symbol[None]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "true if any operand is true"
     equation: ClassVar[str] = "y = u1 ∨ u2 ∨ ..."
+    examples: ClassVar[tuple[str, ...]] = ("{or: [p, q]}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a boolean", boolean=True),)
     variadic: ClassVar[bool] = True
 

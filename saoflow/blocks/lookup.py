@@ -50,6 +50,10 @@ class Lookup(Symbol[TableUse]):
         "table look-up, linear or hold-left; from data, or from a function with a proved largest error"
     )
     equation: ClassVar[str] = "y = table(min(max(u, first), last))"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{lookup: x, function: sin, range: [0, 1], error: 1e-4}",
+        "{lookup: x, breakpoints: [0, 1, 3], values: [5, 6, 6.5]}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (
         Port("u", "input along the first axis"),
         Port("v", "input along the second axis", optional=True),

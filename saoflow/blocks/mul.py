@@ -46,6 +46,11 @@ class Mul(Symbol[Product]):
     name: ClassVar[str] = "mul"
     summary: ClassVar[str] = "product of the operands, left to right: element by element, or of matrices and vectors"
     equation: ClassVar[str] = "y = u1 · u2 · ...;  product: matrix: y_ij = sum_k a_ik b_kj, k increasing"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{mul: [x, y]}",
+        "{mul: [A, B], product: matrix}",
+        "{mul: [A, D, A.T], product: matrix, symmetric: true}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "an operand; a scalar multiplies every element"),)
     variadic: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (PRODUCT, SYMMETRIC)

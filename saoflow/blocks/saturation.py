@@ -16,6 +16,10 @@ class Saturation(Symbol[None]):
     name: ClassVar[str] = "saturation"
     summary: ClassVar[str] = "limits a value; NaN comes out as the lower limit"
     equation: ClassVar[str] = "y = min(max(u, low), high)"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{saturation: x, low: -1, high: y}",
+        "{saturation: v, low: 0}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (
         Port("u", "what is limited"),
         Port("low", "lower limit", optional=True),

@@ -38,6 +38,10 @@ class Select(Symbol[Selection]):
         "elements of a wire, counted from 0, negative from the end; as an operand: x[i], P[i, j], s[:-1]"
     )
     equation: ClassVar[str] = "y = u[i, ...]"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{select: v, index: 2}",
+        "{select: A, index: [0, 1]}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a vector, a matrix or a stack"),)
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("index", "array", "one whole number per leading axis: index: 2, index: [0, 1]"),

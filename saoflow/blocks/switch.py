@@ -17,6 +17,10 @@ class Switch(Symbol[None]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "passes the first value if the condition is true, else the second"
     equation: ClassVar[str] = "y = condition ? a : b"
+    examples: ClassVar[tuple[str, ...]] = (
+        "{switch: [p, x, y]}",
+        "{switch: [p, v, 0]}",
+    )
     ports: ClassVar[tuple[Port, ...]] = (
         Port("condition", "which of the two", boolean=True),
         Port("a", "the value if true"),

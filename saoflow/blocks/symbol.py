@@ -82,6 +82,9 @@ class Symbol(ABC, Generic[Configuration]):
     """The smallest profile that contains the symbol."""
     summary: ClassVar[str]
     equation: ClassVar[str]
+    examples: ClassVar[tuple[str, ...]]
+    """Blocks as a sheet writes them, simplest first; the documentation shows them with what they cost. Wires: scalars x, y,
+    z; vectors v, w of 3; 2x2 matrices A, B and D (diagonal); booleans p, q."""
     ports: ClassVar[tuple[Port, ...]]
     variadic: ClassVar[bool] = False
     """True if the last port may be given any number of times."""

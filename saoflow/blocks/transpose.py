@@ -18,6 +18,7 @@ class Transpose(Symbol[None]):
     name: ClassVar[str] = "transpose"
     summary: ClassVar[str] = "the transpose of a matrix; as an operand: C.T"
     equation: ClassVar[str] = "y_ij = u_ji"
+    examples: ClassVar[tuple[str, ...]] = ("{transpose: A}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a matrix"),)
 
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> None:

@@ -126,12 +126,12 @@ def one_of(option: str, value: str, allowed: Sequence[str], code: str = "E603") 
     )
 
 
-def console(stderr: bool = False) -> Console:
-    """A terminal as wide as it is; a file gets 100 columns and no colours."""
+def console(stderr: bool = False, width: int = 110) -> Console:
+    """A terminal as wide as it is; a file gets so many columns and no colours."""
     from rich.console import Console
 
     stream = sys.stderr if stderr else sys.stdout
-    return Console(stderr=stderr, width=None if stream.isatty() else 100, highlight=False, soft_wrap=False)
+    return Console(stderr=stderr, width=None if stream.isatty() else width, highlight=False, soft_wrap=False)
 
 
 PATIENCE = 1.0
