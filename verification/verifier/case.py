@@ -29,19 +29,43 @@ class Compared:
     """
 
     name: str
-    """Key of the value in :class:`Expected`, and the name in the report."""
-    wire: str
-    """The sheet's output, or the path of a probed wire; of the same shape as the reference's array."""
+    """Its name in the report."""
+    wire: str | tuple[str, ...]
+    """The sheet's output, or the path of a probed wire; of the same shape as the reference's array. Several wires
+    (of the instances of a fold) are stacked along a leading axis."""
     sigma: Array | float
     """Scale of the quantity, in the wire's unit; broadcasts against it. Smaller values count as this large."""
     tolerance: float = TOLERANCE
     unit: str = ""
     part: str = "frame"
     """The part of the sheet that the report lists it under."""
+    repeat: str = ""
+    """Which of several quantities of one name this is, such as the pass of an iteration: the report shows their worst."""
     after: int = 0
     """Compared only in frames where the first ``after`` choices fell alike."""
     following: bool = False
     """The wire is the output of a delay: its value in the NEXT frame is what this frame's reference expects."""
+
+    @property
+    def key(self) -> str:
+        """Its name among the values of :class:`Expected`: the wire's name tells repeats and namesakes apart."""
+        return f"{self.name} at {self.wire_name}" if self.repeat or self.part != "frame" else self.name
+
+    @property
+    def wires(self) -> tuple[str, ...]:
+        """The wire, or the wires that are stacked."""
+        return (self.wire,) if isinstance(self.wire, str) else self.wire
+
+    @property
+    def wire_name(self) -> str:
+        """The wire as the report names it."""
+        return self.wires[0] if len(self.wires) == 1 else f"{self.wires[0]} ... {self.wires[-1]}"
+
+    def of_sheet(self, values: Values) -> Array:
+        """The quantity from the sheet's wires, one row a frame."""
+        if isinstance(self.wire, str):
+            return values[self.wire]
+        return np.stack([values[wire] for wire in self.wire], axis=1)
 
 
 @dataclass(frozen=True)
@@ -63,7 +87,7 @@ class Expected:
     """What the reference gives in one frame."""
 
     values: Values
-    """By the names of the case's ``compared``."""
+    """By the keys of the case's ``compared``: their names, in the simple case."""
     choices: Values = field(default_factory=dict)
     """By the names of the case's ``choices``: the discrete value, shape ()."""
     margins: Mapping[str, float] = field(default_factory=dict)

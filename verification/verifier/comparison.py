@@ -49,9 +49,8 @@ class Worst:
         with np.errstate(all="ignore"):
             self.largest = float(np.nan_to_num(np.abs(got.flat[flat] - right.flat[flat]), nan=np.inf))
 
-    def check(self, part: str, quantity: str, wire: str, unit: str, tolerance: str, judged: bool = True) -> Check:
+    def check(self, part: str, quantity: str, wire: str, unit: str, tolerance: str, judged: bool = True, repeat: str = "") -> Check:
         """The finished check: it holds if it was compared at all and nowhere exceeds what is allowed."""
         passed = (self.ratio <= 1.0 and self.frames > 0) if judged else None
-        return Check(
-            part, quantity, wire, unit, self.largest, self.ratio, tolerance, self.frames, self.where, passed
-        )
+        numbers = self.largest, self.ratio
+        return Check(part, quantity, wire, unit, *numbers, tolerance, self.frames, self.where, passed, repeat)

@@ -26,7 +26,7 @@ class Findings:
 
 def probes_of(case: ReferenceCase, sheet: LoadedSheet) -> tuple[str, ...]:
     """The wires that must be probed: all that the case names and that are no outputs. Each once, in order."""
-    wires = (*case.state_wires, *(c.wire for c in case.compared), *(c.wire for c in case.choices))
+    wires = (*case.state_wires, *(wire for c in case.compared for wire in c.wires), *(c.wire for c in case.choices))
     outputs = {port.name for port in sheet.frame_program.outputs}
     return tuple(dict.fromkeys(wire for wire in wires if wire not in outputs))
 
@@ -48,7 +48,7 @@ def compare_frames(
         for compared, record in zip(case.compared, worst, strict=True):
             _see(record, compared, scenario, got, expected, alike)
     checks = [
-        record.check(c.part, c.name, c.wire, c.unit, f"{c.tolerance:g} max(|ref|, sigma)")
+        record.check(c.part, c.name, c.wire_name, c.unit, f"{c.tolerance:g} max(|ref|, sigma)", repeat=c.repeat)
         for c, record in zip(case.compared, worst, strict=True)
     ]
     total = sum(len(scenario) for scenario in scenarios)
@@ -103,15 +103,15 @@ def _see(
     rows = rows[rows + shift < len(expected)]
     if not len(rows):
         return
-    right = np.array([expected[k].values[compared.name] for k in rows], dtype=np.float64)
-    found = got[compared.wire][rows + shift]
+    right = np.array([expected[k].values[compared.key] for k in rows], dtype=np.float64)
+    found = compared.of_sheet(got)[rows + shift]
     if found.shape != right.shape:
         raise DiagnosisError(
             [
                 Diagnosis(
                     "E604",
                     f"the reference does not fit the sheet at {compared.name}",
-                    cause=f"the wire {compared.wire} has shape {list(found.shape[1:])}, the reference gives "
+                    cause=f"the wire {compared.wire_name} has shape {list(found.shape[1:])}, the reference gives "
                     f"{list(right.shape[1:])}",
                     remedy="compare a wire of the same shape",
                 )
@@ -131,7 +131,7 @@ def _choice_checks(case: ReferenceCase, others: list[OtherChoice], frames: int) 
     passed = not unexcused and len(others) <= max(1.0, share * frames)
     return [
         Check(
-            part=case.compared[-1].part if case.compared else "frame",
+            part="choices",
             quantity="frames with another choice",
             wire=f"{case.choices[0].wire} ...",
             unit="frames",

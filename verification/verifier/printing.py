@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 from verification.verifier.report import Check, Report
@@ -17,8 +16,11 @@ MOST_LISTED = 20
 
 def print_report(report: Report, console: Console) -> None:
     """Print every check, the frames with another choice or decision, the tables' errors and the verdict."""
-    for part, checks in groupby(report.checks, key=lambda check: check.part):
-        console.print(_check_table(part, list(checks)))
+    parts: dict[str, list[Check]] = {}
+    for check in report.checks:
+        parts.setdefault(check.part, []).append(check)
+    for part, checks in parts.items():
+        console.print(_check_table(part, checks))
     if report.other_choices:
         console.print(_choice_table(report))
     if report.other_decisions:
@@ -47,8 +49,12 @@ def _table(title: str, columns: tuple[tuple[str, str], ...]) -> Table:
 
 def _check_table(part: str, checks: list[Check]) -> Table:
     columns = (("quantity", "left"), ("largest error", "right"), ("/ allowed", "right"))
-    table = _table(part, (*columns, ("where", "left"), ("tolerance", "left"), ("", "left")))
-    for check in checks:
+    tolerances = {check.tolerance for check in checks}
+    common = len(tolerances) == 1
+    title = f"{part} [dim](allowed: {checks[0].tolerance})[/]" if common else part
+    last = (("", "left"),) if common else (("tolerance", "left"), ("", "left"))
+    table = _table(title, (*columns, ("where", "left"), *last))
+    for check in _worst_of_repeats(checks):
         verdict = {True: "[green]ok[/]", False: "[bold red]FAILS[/]", None: "[dim]shown[/]"}[check.passed]
         if not check.frames:
             verdict = "[bold red]never compared[/]"
@@ -56,10 +62,22 @@ def _check_table(part: str, checks: list[Check]) -> Table:
         place = ""
         if where is not None and check.largest > 0.0:
             element = f" [{', '.join(map(str, where.element))}]" if where.element else ""
-            place = f"{where.scenario}, frame {where.frame}{element}".replace("[", r"\[")
+            repeat = f"{check.repeat}, " if check.repeat else ""
+            place = f"{repeat}{where.scenario}, frame {where.frame}{element}".replace("[", r"\[")
         largest = f"{check.largest:.2g} {check.unit}".strip()
-        table.add_row(check.quantity, largest, f"{check.ratio:.2g}", place, check.tolerance, verdict)
+        tolerance = () if common else (check.tolerance,)
+        table.add_row(check.quantity, largest, f"{check.ratio:.2g}", place, *tolerance, verdict)
     return table
+
+
+def _worst_of_repeats(checks: list[Check]) -> list[Check]:
+    """One check for each quantity: the first failing one of several, or the one with the largest difference."""
+    worst: dict[str, Check] = {}
+    for check in checks:
+        before = worst.setdefault(check.quantity, check)
+        if before.passed is not False and (check.passed is False or check.ratio > before.ratio):
+            worst[check.quantity] = check
+    return list(worst.values())
 
 
 def _choice_table(report: Report) -> Table:

@@ -45,6 +45,13 @@ class Check:
     where: Place | None
     passed: bool | None
     """None: shown, without a verdict."""
+    repeat: str = ""
+    """Which of several quantities of one name."""
+
+    @property
+    def title(self) -> str:
+        """The quantity and which of several it is."""
+        return f"{self.quantity} ({self.repeat})" if self.repeat else self.quantity
 
 
 @dataclass(frozen=True)
@@ -109,7 +116,7 @@ class Report:
         where = f", at {first.where}" if first.where else ""
         return (
             f"{self.sheet} differs from its reference: {len(self.failures)} of {len(self.checks)} checks fail; "
-            f"first in the order of the frame: {first.quantity} (wire {first.wire}){where}"
+            f"first in the order of the frame: {first.title}, wire {first.wire}{where}"
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -39,7 +39,7 @@ def test_a_changed_parameter_is_found_where_it_acts():
     assert not report.passed
     assert check(report, "way").passed  # the sheet's state is the reference's too: what lies before is right
     assert not check(report, "y").passed
-    assert "first in the order of the frame: y (wire y), at " in report.summary
+    assert "first in the order of the frame: y, wire y, at " in report.summary
     where = check(report, "y").where
     got = load(LAG, parameters={"share": 0.2500001}).simulator(exact=True).run(scenario(report, 50, where).inputs)
     assert got["y"][where.frame][where.element] == where.sheet

@@ -47,7 +47,7 @@ def test_a_failed_check_exits_1(run, tmp_path):
     path.write_text(text.replace("value: 0.25", "value: 0.26"), encoding="utf-8")
     result = run(str(path), "--reference", "lag_reference:case", "--frames", "60")
     assert result.exit_code == 1
-    assert "FAILS" in result.stdout and "first in the order of the frame: y (wire y)" in " ".join(result.stdout.split())
+    assert "FAILS" in result.stdout and "first in the order of the frame: y, wire y" in " ".join(result.stdout.split())
 
 
 MESSAGES = {
