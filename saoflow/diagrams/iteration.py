@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from saoflow.diagnosis import Position, did_you_mean
+from saoflow.diagrams.connections import match, unconnected
 from saoflow.diagrams.expression_value import Quantity
 from saoflow.diagrams.operands import Operands
 from saoflow.diagrams.sheet import Connection, IterationDeclaration, Sheet
@@ -30,13 +31,13 @@ class Iteration:
         block, name = self.block, self.block.name.text
         ports = [i.name.text for i in self.target.inputs]
         everything = [*block.carry, *block.each, *block.common]
-        matched = self.user.match(block.sheet, ports, everything)
+        matched = match(self.scope, block.sheet, ports, everything)
         carried = self._carried()
         if matched is None or carried is None:
             return
         missing = [p for p in ports if p not in matched]
         if missing:
-            self.user.unconnected(block.sheet, missing)
+            unconnected(self.scope, block.sheet, missing)
             return
         count = len(self.instances)
         operands = Operands(self.scope, name)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from saoflow.blocks.library import PROFILES, SYMBOLS, AnySymbol
-from saoflow.blocks.symbol import Given, Parameter, SymbolProblem
+from saoflow.blocks.symbol import SymbolProblem
 from saoflow.diagnosis import Diagnoses, DiagnosisError, Note, Position, did_you_mean
-from saoflow.diagrams.declarations import Declarations, unit_of
-from saoflow.diagrams.expression import Array, Expression
+from saoflow.diagrams.connections import match, split_arguments, symbol_operands, unconnected
+from saoflow.diagrams.declarations import Declarations
 from saoflow.diagrams.expression_value import Quantity
-from saoflow.diagrams.formula_of import formula_of
+from saoflow.diagrams.given import given_parameters
 from saoflow.diagrams.iteration import Iteration
 from saoflow.diagrams.netlist import POISON, Node, OutputPort, Structure
 from saoflow.diagrams.operands import Operands
@@ -21,7 +19,6 @@ from saoflow.diagrams.scope import POISONED, Ports, Scope
 from saoflow.diagrams.sheet import Argument, BlockDeclaration, Connection, IterationDeclaration, Named, Sheet
 from saoflow.diagrams.splice import splice
 from saoflow.diagrams.store import SheetStore
-from saoflow.formula import Formula
 
 MOST_NODES = 4_000_000
 MOST_INSTANCES = 100_000
@@ -154,7 +151,8 @@ class SheetBuilder:
         circle = self.builder.circle(sheet)
         if circle:
             notes = [
-                Note(f"{a.name.text} uses {b.name.text}", a.name.position) for a, b in zip(circle, [*circle[1:], sheet])
+                Note(f"{a.name.text} uses {b.name.text}", a.name.position)
+                for a, b in zip(circle, [*circle[1:], sheet], strict=True)
             ]
             self.scope.report(
                 "E213",
@@ -179,18 +177,11 @@ class SheetBuilder:
             return
         if not self._profile_allows(target.name, block.symbol):
             return
-        ports = {p.name for p in target.ports}
-        connections = list(block.operands)
-        arguments: list[Argument] = []
-        for argument in block.arguments:
-            if argument.name.text in ports and argument.value is not None:
-                connections.append(Connection(argument.name, argument.value))
-            else:
-                arguments.append(argument)
+        connections, arguments = split_arguments(block, {p.name for p in target.ports})
         if target.name == "constant":
             arguments, connections = self._constant_value(connections, arguments), []
-        given = self._given(target, block, arguments)
-        resolved = self._symbol_operands(target, block, connections, operands)
+        given = given_parameters(self.scope, target, arguments)
+        resolved = symbol_operands(self.scope, target, block.symbol, connections, operands)
         if given is None or resolved is None:
             return
         signs, inputs, positions = resolved
@@ -214,146 +205,6 @@ class SheetBuilder:
             arguments = [Argument(Named("value", position), connection.wire, "", position), *arguments]
         return arguments
 
-    def _given(self, symbol: AnySymbol, block: BlockDeclaration, arguments: list[Argument]) -> dict[str, Given] | None:
-        known = {p.name: p for p in symbol.parameters}
-        given: dict[str, Given] = {}
-        fine = True
-        for argument in arguments:
-            name = argument.name.text
-            if name not in known:
-                names = [*known, *(p.name for p in symbol.ports)]
-                self.scope.report(
-                    "E206",
-                    f"`{symbol.name}` has no parameter `{name}`",
-                    argument.name.position,
-                    f"its parameters are: {', '.join(known) or 'none'}",
-                    did_you_mean(name, names) or "leave it out",
-                )
-                fine = False
-                continue
-            value = self._one_given(known[name], argument)
-            fine = fine and value is not None
-            if value is not None:
-                given[name] = value
-        return given if fine else None
-
-    def _one_given(self, parameter: Parameter, argument: Argument) -> Given | None:
-        if parameter.kind in ("word", "flag"):
-            return Given(word=argument.text)
-        if parameter.kind == "unit":
-            items = argument.value.items if isinstance(argument.value, Array) else None
-            return unit_of(self.scope, items, argument.text, argument.position)
-        if argument.value is None:
-            self.scope.report(
-                "E111",
-                f"`{argument.name.text}` is no expression",
-                argument.position,
-                f"`{argument.text}` cannot be read as numbers, parameters and + - * / ^",
-                "write a number or an expression of parameters",
-            )
-            return None
-        try:
-            if parameter.kind == "formula":
-                formula: Formula = formula_of(argument.value, self.scope.parameters)
-                return Given(formula=formula, word=argument.text or str(formula))
-        except DiagnosisError as error:
-            self.builder.found.extend(error.diagnoses)
-            return None
-        quantity = self.scope.value_of(argument.value)
-        if quantity is None:
-            return None
-        if quantity.text is not None:
-            self.scope.report(
-                "E208",
-                f"`{argument.name.text}` must be a number",
-                argument.position,
-                f"it is the word `{quantity.text}`",
-                "write a number or an expression of parameters",
-            )
-            return None
-        return Given(np.asarray(quantity.array, dtype=np.float64), quantity.unit)
-
-    def _symbol_operands(
-        self, symbol: AnySymbol, block: BlockDeclaration, connections: Sequence[Connection], operands: Operands
-    ) -> tuple[tuple[int, ...], tuple[int | None, ...], tuple[Position | None, ...]] | None:
-        """Signs, wires and positions by port; None after a diagnosis."""
-        ports = symbol.ports
-        signs: list[int] = []
-        if symbol.variadic:
-            wires: list[int | None] = []
-            for connection in connections:
-                sign, wire = (
-                    operands.signed_wire(connection.wire) if symbol.takes_signs else (1, operands.wire(connection.wire))
-                )
-                signs.append(sign)
-                wires.append(wire)
-            if not wires:
-                self.scope.report(
-                    "E221",
-                    f"`{symbol.name}` needs operands",
-                    block.symbol.position,
-                    "none is given",
-                    f"write {{{symbol.name}: [a, b]}}",
-                )
-                return None
-            return tuple(signs), tuple(wires), tuple(c.wire.position for c in connections)
-        byport = self.match(block.symbol, [p.name for p in ports], connections)
-        if byport is None:
-            return None
-        missing = [p.name for p in ports if p.name not in byport and not p.optional]
-        if missing:
-            self.unconnected(block.symbol, missing)
-            return None
-        return (
-            (),
-            tuple(operands.wire(byport[p.name]) if p.name in byport else None for p in ports),
-            tuple(byport[p.name].position if p.name in byport else None for p in ports),
-        )
-
-    def match(self, target: Named, ports: list[str], connections: Sequence[Connection]) -> dict[str, Expression] | None:
-        """Connections by port name; None after a diagnosis."""
-        found: dict[str, Expression] = {}
-        fine = True
-        for i, connection in enumerate(connections):
-            position = connection.port.position if connection.port else connection.wire.position
-            if connection.port is None and i >= len(ports):
-                self.scope.report(
-                    "E221",
-                    f"`{target.text}` takes {len(ports)} operand{'' if len(ports) == 1 else 's'}",
-                    position,
-                    f"{sum(c.port is None for c in connections)} are given; its inputs are: {', '.join(ports) or 'none'}",
-                    "leave out those that are too many",
-                )
-                return None
-            port = connection.port.text if connection.port else ports[i]
-            if port not in ports:
-                self.scope.report(
-                    "E203",
-                    f"`{target.text}` has no input `{port}`",
-                    position,
-                    f"its inputs are: {', '.join(ports) or 'none'}",
-                    did_you_mean(port, ports) or "name one of them",
-                )
-                fine = False
-            elif port in found:
-                self.scope.report(
-                    "E222", f"input `{port}` is connected twice", position, "an input takes one wire", "leave one out"
-                )
-                fine = False
-            else:
-                found[port] = connection.wire
-        return found if fine else None
-
-    def unconnected(self, target: Named, missing: Sequence[str]) -> None:
-        plural = "s" if len(missing) > 1 else ""
-        self.scope.report(
-            "E205",
-            f"input{plural} {', '.join(f'`{m}`' for m in missing)} of `{target.text}` not connected",
-            target.position,
-            "every input needs a wire",
-            f"connect {'them' if plural else 'it'}: {{{target.text}: {{{missing[0]}: wire}}}}",
-        )
-
     def _profile_allows(self, symbol: str, used: Named, through: str = "") -> bool:
         profile = self.sheet.profile
         if profile is None or profile.text not in PROFILES or symbol in PROFILES[profile.text]:
@@ -373,19 +224,13 @@ class SheetBuilder:
 
     def _place_sheet(self, block: BlockDeclaration, sheet: Sheet, operands: Operands, wires: dict[str, int]) -> None:
         ports = [i.name.text for i in sheet.inputs]
-        connections = list(block.operands)
-        arguments: list[Argument] = []
-        for argument in block.arguments:
-            if argument.name.text in ports and argument.value is not None:
-                connections.append(Connection(argument.name, argument.value))
-            else:
-                arguments.append(argument)
-        byport = self.match(block.symbol, ports, connections)
+        connections, arguments = split_arguments(block, ports)
+        byport = match(self.scope, block.symbol, ports, connections)
         structure = self.child(sheet, arguments, block.symbol, {})
         resolved = None if byport is None else {p: operands.wire(e) for p, e in byport.items()}
         missing = [] if resolved is None else [p for p in ports if p not in resolved]
         if missing:
-            self.unconnected(block.symbol, missing)
+            unconnected(self.scope, block.symbol, missing)
         if structure is None or resolved is None or missing or byport is None:
             return
         positions = {p: e.position for p, e in byport.items()}

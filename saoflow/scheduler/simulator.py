@@ -13,7 +13,7 @@ from saoflow.scheduler.interpreter import Interpreter, array_interpreter, scalar
 from saoflow.scheduler.program import FrameProgram, ProgramPort
 
 Arrays = dict[str, np.ndarray]
-CHUNK = 1024
+CHUNK = 4096
 """Flights of a batch that run together, so that the values of a frame stay in the cache."""
 
 
