@@ -63,12 +63,16 @@ class Fact:
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of text: a title, a header, rows of as many cells, and a note below. The first column is left-aligned."""
+    """A table of text: a title, a header, rows of as many cells, and a note below.
+
+    The first ``words`` columns are words, the others numbers.
+    """
 
     title: str
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+    words: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +88,8 @@ class Report:
     """Everything on the page.
 
     ``time`` (frames,) [s]; ``inputs`` and ``truth`` may lack any name: ``inputs`` are those of the sheet,
-    ``truth`` has alpha [rad], vc, wx, wz [kt] of shape (frames,); ``repeat`` are command lines.
+    ``truth`` has alpha [rad], vc, wx, wz [kt] of shape (frames,); ``remarks`` are further sentences
+    below the headings of the plots "wx", "wz" and "airspeed_error"; ``repeat`` are command lines.
     """
 
     title: str
@@ -95,6 +100,7 @@ class Report:
     truth: Arrays = field(default_factory=dict)
     limits: Limits = Limits()
     marks: tuple[Mark, ...] = ()
+    remarks: Mapping[str, str] = field(default_factory=dict)
     facts: tuple[Fact, ...] = ()
     tables: tuple[TextTable, ...] = ()
     budget: BudgetReport | None = None

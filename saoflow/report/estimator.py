@@ -44,6 +44,10 @@ def confirmations(run: RunShown, sensor: str) -> list[int | None]:
     return [int(np.argmax(column)) if column.any() else None for column in latched.T]
 
 
+def _remark(report: Report, name: str) -> str:
+    return f" {report.remarks[name]}" if name in report.remarks else ""
+
+
 def _marks(report: Report, run: RunShown) -> tuple[Mark, ...]:
     return (*report.marks, *run.marks)
 
@@ -74,11 +78,7 @@ def _airspeed_error(report: Report) -> list[Shown]:
         )
         for run in report.runs
     )
-    caption = (
-        "Estimate minus truth. With every airspeed sensor removed (configuration III) wind and airspeed "
-        "cannot be told apart, so the estimate drifts inside the wind bounds: the isolation is right, the airspeed "
-        "is no longer to be relied upon."
-    )
+    caption = "Estimate minus truth." + _remark(report, "airspeed_error")
     return [Shown("airspeed_error", "Error of the airspeed estimate", caption, Plot("error [kt]", panels, 1.5))]
 
 
@@ -116,11 +116,7 @@ def _wind(report: Report, name: str, heading: str, sign: str, bound: float | Non
         return Panel(run.label, tuple(curves), levels, _marks(report, run))
 
     caption = f"Estimate and the bounds assumed for the weather, {sign}."
-    if name == "wx" and len(report.runs) > 1:
-        caption += (
-            " Without bounds the estimator explains the failing sensors by a wind that cannot be; at the bound it "
-            "can no longer, and the residual above grows."
-        )
+    caption += _remark(report, name)
     panels = tuple(panel(run) for run in report.runs)
     return Shown(name, heading, caption, Plot("wind [kt]", panels, 1.9 if name == "wx" else 1.4))
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +37,7 @@ def output_plots(report: Report) -> list[Shown]:
 
 
 def difference_plots(report: Report) -> list[Shown]:
-    """The distance from the reference over time, on a logarithmic axis; zeros are drawn at its foot."""
+    """The distance from the reference over time, on a logarithmic axis; frames without any are left out."""
     if not report.differences:
         return []
     values = np.concatenate([np.ravel(v) for one in report.differences for v in one.curves.values()])
@@ -50,7 +50,7 @@ def difference_plots(report: Report) -> list[Shown]:
         Panel(
             one.quantity,
             tuple(
-                Curve(np.maximum(values, low), label, role, 0.9)
+                Curve(values, label, role)
                 for (label, values), role in zip(one.curves.items(), ("estimate", "soft", "faint"), strict=False)
             ),
             marks=report.marks,
@@ -63,47 +63,59 @@ def difference_plots(report: Report) -> list[Shown]:
 
 @dataclass(frozen=True)
 class BudgetRow:
-    """One bar: a sub-sheet (or several instances of equal cost), its level in the tree, its operations a frame."""
+    """One bar: a sub-sheet or all instances of a fold, its level in the tree, its operations a frame."""
 
     name: str
     level: int
     operations: int
-    times: int = 1
 
 
-def budget_rows(tree: CountTree, depth: int = 2, least: float = 0.005) -> list[BudgetRow]:
-    """The tree as rows, costly parts first; equal instances of a fold as one; small parts are summed up in one row."""
+def budget_rows(tree: CountTree, depth: int = 4, least: float = 0.01) -> list[BudgetRow]:
+    """The tree as rows, costly parts first; instances of a fold are one row, small parts are summed up in one."""
     rows: list[BudgetRow] = []
 
-    def visit(parts: list[tuple[str, CountTree, int]], level: int) -> None:
-        small = [(name, part, n) for name, part, n in parts if part.total * n < least * tree.total]
-        for name, part, n in sorted(parts, key=lambda p: -p[1].total * p[2]):
-            if part.total * n < least * tree.total:
-                continue
-            rows.append(BudgetRow(name, level, part.total * n, n))
-            below = _merged(part)
-            if level + 1 < depth and len(below) > 1 and n == 1:
-                visit(below, level + 1)
-            elif level + 1 < depth and len(below) > 1:
-                visit([(name_, part_, n_ * n) for name_, part_, n_ in below], level + 1)
-        rest = sum(part.total * n for _, part, n in small)
+    def visit(trees: Sequence[CountTree], level: int) -> None:
+        groups = _grouped(trees)
+        large = [group for group in groups if group.operations >= least * tree.total]
+        if not large or level >= depth:
+            return
+        for group in sorted(large, key=lambda g: -g.operations):
+            rows.append(BudgetRow(group.name, level, group.operations))
+            visit(group.trees, level + 1)
+        rest = [group for group in groups if group not in large]
         if rest:
-            rows.append(BudgetRow(f"{len(small)} smaller" if len(small) > 1 else small[0][0], level, rest))
+            name = rest[0].name if len(rest) == 1 else f"{len(rest)} smaller"
+            rows.append(BudgetRow(name, level, sum(group.operations for group in rest)))
 
-    visit(_merged(tree), 0)
+    visit([tree], 0)
     return rows
 
 
-def _merged(tree: CountTree) -> list[tuple[str, CountTree, int]]:
-    """Parts of a tree: instances of one fold with equal cost are one part, named ``ip[0..3]``."""
-    parts = [part for part in tree.parts.values() if part.total]
-    found = []
-    for (base, _), group in groupby(parts, key=lambda p: (re.sub(r"\[\d+\]$", "", p.name), p.total)):
-        same = list(group)
-        first, last = same[0].name, same[-1].name
-        name = first if len(same) == 1 else f"{base}[{first[len(base) + 1 : -1]}..{last[len(base) + 1 : -1]}]"
-        found.append((name, same[0], len(same)))
-    return found
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Parts that are one row: ``ip[0..3]``."""
+
+    name: str
+    trees: tuple[CountTree, ...]
+
+    @property
+    def operations(self) -> int:
+        return sum(tree.total for tree in self.trees)
+
+
+def _grouped(trees: Sequence[CountTree]) -> list[_Group]:
+    """The parts of several instances together, by name without the index of the fold."""
+    found: dict[str, list[CountTree]] = {}
+    for tree in trees:
+        for part in tree.parts.values():
+            if part.total:
+                found.setdefault(re.sub(r"\[\d+\]$", "", part.name), []).append(part)
+    groups = []
+    for base, parts in found.items():
+        indices = sorted({int(i) for part in parts for i in re.findall(r"\[(\d+)\]$", part.name)})
+        span = "" if not indices else f"[{indices[0]}]" if len(indices) == 1 else f"[{indices[0]}..{indices[-1]}]"
+        groups.append(_Group(base + span, tuple(parts)))
+    return groups
 
 
 def draw_budget(budget: BudgetReport) -> Figure:
@@ -125,7 +137,7 @@ def draw_budget(budget: BudgetReport) -> Figure:
         axes.barh(y, row.operations, height=0.62, color=LIGHT["limit"] if over else colour, linewidth=0)
         inside = row.operations > 0.85 * widest
         text = f"{row.operations:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-        share = "" if y == 0 else f"   {100 * row.operations / budget.total:.0f} %"
+        share = "" if y == 0 else f" ({100 * row.operations / budget.total:.0f} %)"
         axes.annotate(
             text + share,
             (row.operations, y),

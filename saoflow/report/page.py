@@ -37,7 +37,8 @@ def report_of_run(sheet: LoadedSheet, inputs: Arrays, outputs: Arrays, time: Arr
     """
     budget = sheet.budget()
     frames = len(next(iter(outputs.values())))
-    clock: Array = np.arange(frames) * (budget.period or 1.0) if time is None else np.asarray(time, dtype=np.float64)
+    ticks = np.arange(frames, dtype=np.float64) * (budget.period or 1.0)
+    clock: Array = ticks if time is None else np.asarray(time, dtype=np.float64)
     return Report(
         title=f"{sheet.name}: {frames} frames",
         time=clock,
@@ -129,4 +130,5 @@ def _kinds(report: Report) -> TextTable | None:
         "Operations by kind",
         tuple(kinds),
         (tuple(f"{budget.tree.kinds[kind]:,}".replace(",", "\N{NARROW NO-BREAK SPACE}") for kind in kinds),),
+        words=0,
     )

@@ -22,6 +22,9 @@ WIDTH, LEFT, GUTTER, TOP, BOTTOM = 10.0, 0.62, 0.98, 0.34, 0.42
 """Inches: the same in every figure, so that instants stand below each other."""
 
 
+TEXT = {"faint": "soft"}
+"""Words need more contrast than lines."""
+
 LineStyle = str | tuple[float, tuple[float, ...]]
 
 
@@ -114,8 +117,11 @@ def draw_panel(axes: Axes, panel: Panel, time: Array, limits: tuple[float, float
         axes.axhline(level.value, color=LIGHT["limit"], linewidth=0.8, linestyle=(0, (4, 2.5)))
         labels.append((level.value, level.label, "limit"))
     for curve in panel.curves:
-        _curve(axes, curve, time)
-        if curve.label:
+        _curve(axes, curve, time, logarithmic)
+        left = _leaves(curve, limits)
+        if curve.label and left is not None:
+            _label_where_it_leaves(axes, curve, float(time[left]), limits)
+        elif curve.label:
             labels.append((_end(curve), curve.label, curve.role))
     for dot in panel.dots:
         axes.plot([dot.time], [dot.value], "o", markersize=4.2, color=LIGHT["limit"], zorder=5)
@@ -125,8 +131,13 @@ def draw_panel(axes: Axes, panel: Panel, time: Array, limits: tuple[float, float
     _end_labels(axes, labels, limits, logarithmic)
 
 
-def _curve(axes: Axes, curve: Curve, time: Array) -> None:
+def _curve(axes: Axes, curve: Curve, time: Array, logarithmic: bool) -> None:
     values = curve.values if curve.values.ndim == 2 else curve.values[:, None]
+    if logarithmic:
+        # Many values are exactly zero, so that a line would mostly show its way down to them.
+        shown = np.where(values > 0.0, values, np.nan)
+        axes.plot(time, shown, ".", markersize=1.6, markeredgewidth=0, color=LIGHT[curve.role])
+        return
     for column in values.T:
         axes.plot(
             time,
@@ -143,6 +154,26 @@ def _end(curve: Curve) -> float:
     values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
     finite = values[np.isfinite(values)]
     return float(finite[-1]) if finite.size else 0.0
+
+
+def _leaves(curve: Curve, limits: tuple[float, float]) -> int | None:
+    """The frame from which the curve is outside the axis to its end; None if it ends inside."""
+    values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
+    inside = np.flatnonzero((values >= limits[0]) & (values <= limits[1]))
+    return None if not inside.size or inside[-1] == len(values) - 1 else int(inside[-1])
+
+
+def _label_where_it_leaves(axes: Axes, curve: Curve, time: float, limits: tuple[float, float]) -> None:
+    axes.annotate(
+        curve.label,
+        (time, limits[1]),
+        xytext=(6, -2),
+        textcoords="offset points",
+        ha="left",
+        va="top",
+        fontsize=7.5,
+        color=LIGHT[TEXT.get(curve.role, curve.role)],
+    )
 
 
 def _marks(axes: Axes, marks: Sequence[Mark], time: Array) -> None:
@@ -188,7 +219,7 @@ def _end_labels(
             ha="left",
             va="center",
             fontsize=7.5,
-            color=LIGHT[role],
+            color=LIGHT[TEXT.get(role, role)],
         )
 
 

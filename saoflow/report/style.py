@@ -29,7 +29,7 @@ LIGHT = {
 DARK = {
     "ink": "#e4e7eb",
     "soft": "#a3abb6",
-    "faint": "#6c7480",
+    "faint": "#7d8693",
     "rule": "#30363e",
     "paper": "#14171b",
     "estimate": "#56b4e9",
