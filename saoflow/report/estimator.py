@@ -101,7 +101,7 @@ def _residual(report: Report, sensor: str, unit: str, factor: float, threshold: 
         caption += " A dot marks the frame in which a sensor is confirmed faulty."
     if top < peak:
         caption += " The axis is cut where a condemned sensor's residual goes on growing."
-    plot = Plot(f"rms [{unit}]", panels, 1.7, (-0.04 * top, 1.06 * max(top, 1.1 * (threshold or 0.0))))
+    plot = Plot(f"residual rms [{unit}]", panels, 1.7, (-0.04 * top, 1.06 * max(top, 1.1 * (threshold or 0.0))))
     return Shown(f"{sensor}_rms", f"Residual of the {name} sensors", caption, plot)
 
 

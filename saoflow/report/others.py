@@ -70,7 +70,7 @@ class BudgetRow:
     operations: int
 
 
-def budget_rows(tree: CountTree, depth: int = 4, least: float = 0.01) -> list[BudgetRow]:
+def budget_rows(tree: CountTree, depth: int = 4, least: float = 0.02) -> list[BudgetRow]:
     """The tree as rows, costly parts first; instances of a fold are one row, small parts are summed up in one."""
     rows: list[BudgetRow] = []
 

@@ -91,7 +91,7 @@ def draw(plot: Plot, time: Array) -> Figure:
     figure = Figure(figsize=(WIDTH, height))
     columns = len(plot.panels)
     width = (WIDTH - LEFT - GUTTER * columns) / columns
-    limits = plot.y_limits or _limits(plot)
+    limits = limits_of_plot(plot)
     for i, panel in enumerate(plot.panels):
         left = LEFT + i * (width + GUTTER)
         box = (left / WIDTH, BOTTOM / height, width / WIDTH, plot.height / height)
@@ -118,11 +118,11 @@ def draw_panel(axes: Axes, panel: Panel, time: Array, limits: tuple[float, float
         labels.append((level.value, level.label, "limit"))
     for curve in panel.curves:
         _curve(axes, curve, time, logarithmic)
-        left = _leaves(curve, limits)
+        left = None if logarithmic else _leaves(curve, limits)
         if curve.label and left is not None:
             _label_where_it_leaves(axes, curve, float(time[left]), limits)
         elif curve.label:
-            labels.append((_end(curve), curve.label, curve.role))
+            labels.append((_end(curve, logarithmic), curve.label, curve.role))
     for dot in panel.dots:
         axes.plot([dot.time], [dot.value], "o", markersize=4.2, color=LIGHT["limit"], zorder=5)
     if panel.ticks:
@@ -136,7 +136,7 @@ def _curve(axes: Axes, curve: Curve, time: Array, logarithmic: bool) -> None:
     if logarithmic:
         # Many values are exactly zero, so that a line would mostly show its way down to them.
         shown = np.where(values > 0.0, values, np.nan)
-        axes.plot(time, shown, ".", markersize=1.6, markeredgewidth=0, color=LIGHT[curve.role])
+        axes.plot(time, shown, ".", markersize=2.2, markeredgewidth=0, color=LIGHT[curve.role])
         return
     for column in values.T:
         axes.plot(
@@ -149,8 +149,11 @@ def _curve(axes: Axes, curve: Curve, time: Array, logarithmic: bool) -> None:
         )
 
 
-def _end(curve: Curve) -> float:
-    """Where the curve ends: the last finite value, the mean of several."""
+def _end(curve: Curve, logarithmic: bool) -> float:
+    """Where the curve ends: the last finite value, the mean of several; of scattered dots their middle."""
+    if logarithmic:
+        positive = curve.values[curve.values > 0.0]
+        return float(np.median(positive)) if positive.size else 0.0
     values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
     finite = values[np.isfinite(values)]
     return float(finite[-1]) if finite.size else 0.0
@@ -239,8 +242,10 @@ def _spread(positions: list[float], room: float, gap: float = 10.5) -> list[floa
     return placed
 
 
-def _limits(plot: Plot) -> tuple[float, float]:
-    """Room for every curve and level of all panels."""
+def limits_of_plot(plot: Plot) -> tuple[float, float]:
+    """The plot's own limits, or room for every curve and level of all panels."""
+    if plot.y_limits is not None:
+        return plot.y_limits
     parts = [np.ravel(curve.values) for panel in plot.panels for curve in panel.curves]
     parts += [np.array([level.value for panel in plot.panels for level in panel.levels])]
     values = np.concatenate(parts)
