@@ -155,7 +155,15 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str:
     import difflib
 
     names = sorted(set(candidates))
-    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    near = difflib.get_close_matches(word, names, n=3, cutoff=0.6)
+    # Of candidates that are equally near, the one that begins alike.
+    ratio = {name: round(difflib.SequenceMatcher(None, word, name).ratio(), 6) for name in near}
+    near.sort(key=lambda name: (-ratio[name], -_alike(word, name)))
     if not near:
         near = [name for name in names if name.lower() == word.lower()][:1]
     return f"did you mean `{near[0]}`?" if near else ""
+
+
+def _alike(a: str, b: str) -> int:
+    """How many characters two words have in common at their beginning."""
+    return next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))

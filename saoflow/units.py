@@ -397,12 +397,23 @@ def conversion_hint(a: Unit, b: Unit) -> str:
         one = _registry().Quantity(1.0, _pint_unit(a))
         other = _pint_unit(b)
         if one.dimensionality != other.dimensionality:
-            return f"{a} and {b} measure different things"
+            return f"{_spoken(a)} and {_spoken(b)} measure different things"
         factor = one.to(other).magnitude
     except Exception:  # the hint is an extra: a unit that pint cannot convert gets the plain sentence
         return f"{a} and {b} are different units"
     plain = "rad" if "deg" in (str(a), str(b)) else "(a plain number)"
     return f"1 {a if a.powers else plain} = {factor:.6g} {b if b.powers else plain}"
+
+
+def conversion_remedy(found: Unit, wanted: Unit) -> str:
+    """What to do about a wire in ``found`` where ``wanted`` is needed."""
+    if "different" in conversion_hint(found, wanted):
+        return "correct the unit or the wire that is wrong"
+    return f"convert it with a product by a constant of unit {wanted / found}, or correct the unit that is wrong"
+
+
+def _spoken(unit: Unit) -> str:
+    return str(unit) if unit.powers else "a plain number (1, rad)"
 
 
 def _pint_unit(unit: Unit) -> Any:

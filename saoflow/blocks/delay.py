@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from saoflow.blocks.symbol import Arguments, Parameter, Port, Symbol, SymbolProblem, count_of
+from saoflow.blocks.symbol import Arguments, Parameter, Port, Symbol, SymbolProblem, count_of, word_of
 from saoflow.operations import Expander, Tensor
-from saoflow.units import Units, collapse
+from saoflow.units import Units, collapse, conversion_hint
 from saoflow.wires import WireType, shape_text
 
 LONGEST = 10_000
@@ -23,7 +23,11 @@ class Memory:
     frames: int
     shape: tuple[int, ...] | None
     units: Units
-    boolean: bool
+    boolean: bool | None
+    """None: not stated."""
+
+
+TYPE = Parameter("type", "word", "real or boolean wire, where a loop hides it", ("real", "boolean"))
 
 
 class Delay(Symbol[Memory]):
@@ -42,7 +46,7 @@ class Delay(Symbol[Memory]):
         Parameter("frames", "count", "how many frames (default 1)"),
         Parameter("shape", "array", "shape of the wire, where a loop hides it: shape: [3, 4]"),
         Parameter("unit", "unit", "unit of the wire, where a loop hides it"),
-        Parameter("type", "word", "real or boolean wire", ("real", "boolean")),
+        TYPE,
     )
     feeds_through: ClassVar[bool] = False
 
@@ -61,7 +65,7 @@ class Delay(Symbol[Memory]):
         units = arguments["unit"].unit if "unit" in arguments else None
         if units is None and "initial" in arguments:
             units = arguments["initial"].unit
-        boolean = "type" in arguments and arguments["type"].word == "boolean"
+        boolean = word_of(arguments, TYPE) == "boolean" if "type" in arguments else None
         return Memory(
             initial,
             count_of(arguments, "frames", 1, 1, LONGEST),
@@ -101,7 +105,10 @@ class Delay(Symbol[Memory]):
         if shape is None:
             shape = wire.shape if wire is not None else ()
         units = configuration.units if configuration.units is not None or wire is None else wire.units
-        return WireType(shape, wire.boolean if wire is not None else configuration.boolean, units)
+        boolean = configuration.boolean
+        if boolean is None:
+            boolean = wire is not None and wire.boolean
+        return WireType(shape, boolean, units)
 
     def check_input(self, wire: WireType, output: WireType) -> None:
         """Does what arrives fit what is remembered? Raises SymbolProblem E220."""
@@ -118,7 +125,7 @@ class Delay(Symbol[Memory]):
             raise SymbolProblem(
                 "E220",
                 f"the delay's input is {kind}, its output is not",
-                "the loop through the delay hides the type of its wire",
+                "its type is stated, or a loop through the delay hides that of its wire",
                 f"give the delay type: {kind}",
                 operand=0,
             )
@@ -128,7 +135,7 @@ class Delay(Symbol[Memory]):
                 raise SymbolProblem(
                     "E220",
                     "the delay's unit does not match its input",
-                    f"the delay holds {b}, the input is in {a}",
+                    f"the delay holds {b}, the input is in {a}: {conversion_hint(a, b)}",
                     f"give the delay unit: {a}, or convert the input",
                     operand=0,
                 )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from saoflow.blocks.symbol import SymbolProblem
 from saoflow.operations import Atom, Tensor
-from saoflow.units import Unit, Units, collapse, conversion_hint
+from saoflow.units import Unit, Units, collapse, conversion_hint, conversion_remedy
 from saoflow.wires import WireType, shape_text
 
 
@@ -61,7 +61,7 @@ def _agree(a: Unit | None, b: Unit | None, operand: int, symbol: str) -> Unit | 
             "E211",
             f"`{symbol}` needs operands of one unit",
             f"{a} meets {b}: {conversion_hint(a, b)}",
-            f"convert with a product by a constant of unit {a / b}, or correct the unit that is wrong",
+            conversion_remedy(b, a),
             operand=operand,
         )
     return a

@@ -22,7 +22,7 @@ from saoflow.blocks.symbol import (
 from saoflow.operations import Expander, Table, Tensor
 from saoflow.tabulate import TabulateError, tabulate
 from saoflow.units import Unit, conversion_hint
-from saoflow.wires import WireType
+from saoflow.wires import WireType, shape_text
 
 INTERPOLATION = Parameter(
     "interpolation",
@@ -205,7 +205,7 @@ def _axis(arguments: Arguments, name: str) -> np.ndarray:
         raise SymbolProblem(
             "E215",
             f"`{name}` must be a list of at least two finite numbers",
-            "it is not",
+            "it is missing" if array is None else _listed(array),
             f"write {name}: [0, 1, 2]",
             parameter=name,
         )
@@ -220,3 +220,9 @@ def _axis(arguments: Arguments, name: str) -> np.ndarray:
             parameter=name,
         )
     return array.astype(np.float64)
+
+
+def _listed(array: np.ndarray) -> str:
+    if array.ndim != 1:
+        return f"it is {shape_text(array.shape)}"
+    return "it has 1 element" if array.size == 1 else "it holds what is not finite"

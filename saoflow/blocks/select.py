@@ -94,7 +94,7 @@ def _choose(shape: tuple[int, ...], selection: Selection) -> np.ndarray:
         raise SymbolProblem(
             "E217",
             "more indices than axes",
-            f"the wire is {shape_text(shape)}, and {len(selection.indices)} indices are given",
+            f"the wire is {shape_text(shape)}, and {_many(len(selection.indices))} given",
             "leave out the indices that are too many",
             operand=0,
         )
@@ -123,3 +123,7 @@ def _choose(shape: tuple[int, ...], selection: Selection) -> np.ndarray:
             operand=0,
         )
     return np.asarray(chosen)
+
+
+def _many(count: int) -> str:
+    return "1 index is" if count == 1 else f"{count} indices are"

@@ -112,7 +112,7 @@ def unconnected(scope: Scope, target: Named, missing: Sequence[str]) -> None:
     plural = "s" if len(missing) > 1 else ""
     scope.report(
         "E205",
-        f"input{plural} {', '.join(f'`{m}`' for m in missing)} of `{target.text}` not connected",
+        f"input{plural} {', '.join(f'`{m}`' for m in missing)} of `{target.text}` {'are' if plural else 'is'} not connected",
         target.position,
         "every input needs a wire",
         f"connect {'them' if plural else 'it'}: {{{target.text}: {{{missing[0]}: wire}}}}",

@@ -76,14 +76,14 @@ class Declarations:
 
     def _twice(self, name: str, position: Position, other: str) -> None:
         names = [*(d.name for d in self.sheet.inputs), *(d.name for d in self.sheet.parameters)]
-        first = next((n.position for n in names if n.text == name), None)
+        first = next((n.position for n in names if n.text == name and n.position != position), None)
         self.scope.report(
             "E222",
             f"`{name}` is used twice",
             position,
             f"it is {other} already",
             "rename one of them",
-            notes=[Note("first used here", first)] if first != position else [],
+            notes=[Note("it is declared here", first)] if first is not None else [],
         )
 
     def budget(self) -> Budget | None:

@@ -35,7 +35,7 @@ def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | N
             )
     values = complete(scope, sheet, given, {}, None, set())
     found.raise_if_errors()
-    structure = StructureBuilder(store, found).build(sheet, values)
+    structure = StructureBuilder(store, found).build(sheet, values, sheet.name.position)
     assert structure is not None
     body = Typer(found, store.sources).body(structure, root_types(structure))
     found.raise_if_errors()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,7 +30,8 @@ def given_parameters(scope: Scope, symbol: AnySymbol, arguments: Sequence[Argume
                 "E206",
                 f"`{symbol.name}` has no parameter `{name}`",
                 argument.name.position,
-                f"its parameters are: {', '.join(known) or 'none'}",
+                f"its parameters are: {', '.join(known) or 'none'}; "
+                f"its inputs are: {', '.join(p.name for p in symbol.ports) or 'none'}",
                 did_you_mean(name, names) or "leave it out",
             )
             fine = False
@@ -61,7 +63,8 @@ def _one_given(scope: Scope, parameter: Parameter, argument: Argument) -> Given 
             formula = formula_of(argument.value, scope.parameters)
             return Given(formula=formula, word=argument.text or str(formula))
     except DiagnosisError as error:
-        scope.found.extend(error.diagnoses)
+        for diagnosis in error.diagnoses:
+            scope.found.add(replace(diagnosis, source_line=scope.sources.line(diagnosis.position)))
         return None
     quantity = scope.value_of(argument.value)
     if quantity is None:

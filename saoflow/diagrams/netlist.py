@@ -33,6 +33,8 @@ class Node:
     """Wire numbers; None for an optional port left open."""
     operand_positions: tuple[Position | None, ...]
     outputs: tuple[int, ...]
+    declared: InputPort | OutputPort | None = None
+    """The port of a sheet laid out in place that this wiring stands for: its declaration is checked here."""
 
     @property
     def feeds_through(self) -> bool:
@@ -147,7 +149,11 @@ class SourceLines:
         text = self.line(position)
         if text is None or position is None:
             return "operand"
-        return text[position.column - 1 : position.column - 1 + position.length]
+        start, end = position.column - 1, position.column - 1 + position.length
+        if text[start - 1 : start] == ".":  # a member: the whole path is meant
+            while start and (text[start - 1].isalnum() or text[start - 1] in "._"):
+                start -= 1
+        return text[start:end]
 
 
 def flat_nodes(body: Body, prefix: str = "") -> Iterator[tuple[str, Node, Body]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from saoflow.diagnosis import Diagnoses, Diagnosis, DiagnosisError, Note, Position, did_you_mean
 from saoflow.diagrams.expression import Expression
@@ -74,8 +74,20 @@ class Scope:
         except DiagnosisError as error:
             for diagnosis in error.diagnoses:
                 if not any(f"`{name}`" in diagnosis.message for name in self.broken_parameters):
-                    self.found.add(diagnosis)
+                    self.found.add(self._wire_meant(diagnosis))
             return None
+
+    def _wire_meant(self, diagnosis: Diagnosis) -> Diagnosis:
+        """A better cause where an unknown parameter is the name of a wire."""
+        name = self.sources.word(diagnosis.position)
+        if diagnosis.code != "E206" or name not in {*self.inputs, *self.blocks}:
+            return diagnosis
+        return replace(
+            diagnosis,
+            message=f"`{name}` is a wire, and a number is needed here",
+            cause="numbers such as counts, shapes, indices and table data are fixed before the first frame",
+            remedy="use a number or a parameter; what follows a wire is done with blocks",
+        )
 
     def known(self) -> list[str]:
         """Every name of the sheet, for did-you-mean."""

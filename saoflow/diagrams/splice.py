@@ -8,7 +8,7 @@ from dataclasses import replace
 from saoflow.blocks.library import SYMBOLS
 from saoflow.blocks.select import Selection
 from saoflow.diagnosis import Position
-from saoflow.diagrams.netlist import POISON, Node, Structure
+from saoflow.diagrams.netlist import POISON, InputPort, Node, OutputPort, Structure
 
 IDENTITY = Selection(())
 
@@ -28,11 +28,11 @@ def splice(
     select = SYMBOLS["select"]
     taken = {node.path for node in structure.nodes} | {port.name for port in structure.inputs}
 
-    def identity(name: str, position: Position, source: int, place: Position | None, target: int) -> Node:
-        return Node(f"{path}.{name}", position, select, IDENTITY, None, (source,), (place,), (target,))
+    def identity(name: str, port: InputPort | OutputPort, source: int, place: Position | None, target: int) -> Node:
+        return Node(f"{path}.{name}", port.position, select, IDENTITY, None, (source,), (place,), (target,), port)
 
     nodes = [
-        identity(p.name, p.position, inputs[p.name], positions.get(p.name) or p.position, p.wire + offset)
+        identity(p.name, p, inputs[p.name], positions.get(p.name) or p.position, p.wire + offset)
         for p in structure.inputs
     ]
     for node in structure.nodes:
@@ -43,7 +43,7 @@ def splice(
     for port in structure.outputs:
         if port.wire != POISON:
             name = port.name if port.name not in taken else f"{port.name}#out"
-            nodes.append(identity(name, port.position, port.wire + offset, port.position, outputs[port.name]))
+            nodes.append(identity(name, port, port.wire + offset, port.position, outputs[port.name]))
     return nodes
 
 

@@ -32,20 +32,32 @@ class StructureBuilder:
         self.found = found
         self._built: dict[tuple[int, object], Structure | None] = {}
         self._path: list[Sheet] = []
+        self._uses: list[Position] = []
+        """Where each sheet of the path is used."""
         self._count = 0
 
-    def build(self, sheet: Sheet, values: ParameterValues) -> Structure | None:
-        """The structure, or None if the sheet uses itself (diagnosed)."""
+    def build(self, sheet: Sheet, values: ParameterValues, used: Position) -> Structure | None:
+        """The structure of a sheet that is ``used`` there, or None if it uses itself (diagnosed)."""
         key = (id(sheet), key_of(values))
         if key not in self._built:
             self._path.append(sheet)
+            self._uses.append(used)
             self._built[key] = SheetBuilder(self, sheet, values).build()
             self._path.pop()
+            self._uses.pop()
         return self._built[key]
 
-    def circle(self, sheet: Sheet) -> list[Sheet]:
-        """The sheets from an enclosing use of ``sheet`` down to here; empty if there is none."""
-        return self._path[self._path.index(sheet) :] if sheet in self._path else []
+    def circle(self, sheet: Sheet, used: Position) -> list[Note]:
+        """Who uses whom, from an enclosing use of ``sheet`` to this one; empty if there is none."""
+        if sheet not in self._path:
+            return []
+        start = self._path.index(sheet)
+        sheets = [*self._path[start:], sheet]
+        places = [*self._uses[start + 1 :], used]
+        return [
+            Note(f"`{a.name.text}` uses `{b.name.text}`", place)
+            for a, b, place in zip(sheets, sheets[1:], places, strict=False)
+        ]
 
     def room_for(self, nodes: int) -> bool:
         """Whether that many further nodes are within the bound."""
@@ -148,12 +160,8 @@ class SheetBuilder:
                 near or "`saoflow symbols` lists the symbols",
             )
             return None
-        circle = self.builder.circle(sheet)
-        if circle:
-            notes = [
-                Note(f"{a.name.text} uses {b.name.text}", a.name.position)
-                for a, b in zip(circle, [*circle[1:], sheet], strict=True)
-            ]
+        notes = self.builder.circle(sheet, named.position)
+        if notes:
             self.scope.report(
                 "E213",
                 f"sheet `{sheet.name.text}` uses itself",
@@ -242,7 +250,7 @@ class SheetBuilder:
         values = settle(self.scope, sheet, arguments, extra, used.position)
         if values is None:
             return None
-        structure = self.builder.build(sheet, values)
+        structure = self.builder.build(sheet, values, used.position)
         if structure is None or not self.builder.room_for(len(structure.nodes)):
             if structure is not None:
                 self.scope.report(

@@ -13,9 +13,9 @@ from collections.abc import Iterable
 from saoflow.blocks.delay import Delay, merge_units
 from saoflow.blocks.symbol import SymbolProblem
 from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
-from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, SourceLines, Structure
+from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, OutputPort, SourceLines, Structure
 from saoflow.diagrams.splice import laid_out
-from saoflow.units import conversion_hint, first_mismatch
+from saoflow.units import conversion_hint, conversion_remedy, first_mismatch
 from saoflow.wires import WireType, shape_text
 
 InputTypes = tuple[WireType, ...]
@@ -47,7 +47,7 @@ class Typer:
         self._uses.pop()
         return body
 
-    def report(self, problem: SymbolProblem, position: Position | None, notes: Iterable[Note]) -> None:
+    def report(self, problem: SymbolProblem, position: Position | None, notes: Iterable[Note], label: str = "") -> None:
         """A symbol's refusal as a diagnosis."""
         self.found.add(
             Diagnosis(
@@ -56,7 +56,7 @@ class Typer:
                 position,
                 problem.cause,
                 problem.remedy,
-                "",
+                label,
                 (*notes, *self._uses[-1:]),
                 self.sources.line(position),
             )
@@ -140,7 +140,7 @@ class _StructureTyper:
             ]
         else:
             try:
-                found = [node.symbol.output_type(known, node.configuration)]
+                found = [self._as_declared(node, node.symbol.output_type(known, node.configuration))]
             except SymbolProblem as problem:
                 self._refuse(node, problem, known)
                 found = [None]
@@ -150,6 +150,14 @@ class _StructureTyper:
                 self.types[wire] = wire_type
                 spread.append(wire)
         return spread
+
+    def _as_declared(self, node: Node, wire_type: WireType) -> WireType:
+        """The type behind a port of a sheet that is laid out in place."""
+        if isinstance(node.declared, InputPort):
+            return self._check_port(node.declared, wire_type, node.operand_positions[0])
+        if isinstance(node.declared, OutputPort):
+            return self._check_output(node.declared, wire_type)
+        return wire_type
 
     def _port_types(self, node: Node, known: tuple[WireType | None, ...]) -> InputTypes:
         assert node.child is not None
@@ -183,7 +191,7 @@ class _StructureTyper:
                 "E211",
                 f"input `{port.name}` has another unit",
                 f"it takes {wanted}, the wire is in {given}: {conversion_hint(given, wanted)}",
-                f"multiply by a constant of unit {wanted / given}, or correct the unit that is wrong",
+                conversion_remedy(given, wanted),
             )
             self.typer.report(problem, position, [declared_here])
         return WireType(wire.shape, port.boolean, merge_units(port.units, wire.units, wire.size))
@@ -193,12 +201,20 @@ class _StructureTyper:
         if problem.operand is not None and problem.operand < len(node.operand_positions):
             position = node.operand_positions[problem.operand] or position
         notes: list[Note] = []
-        for number, (wire, wire_type) in enumerate(zip(node.inputs, known, strict=True), start=1):
+        label = ""
+        for number, (wire, wire_type) in enumerate(zip(node.inputs, known, strict=True)):
             if wire_type is None or wire is None or len(notes) >= 4:
                 continue
-            word = self.typer.sources.word(node.operand_positions[number - 1])
-            notes.append(Note(f"operand {number}, `{word}`, is {wire_type}", self._origin(wire)))
-        self.typer.report(problem, position, notes)
+            place, origin = node.operand_positions[number], self._origin(wire)
+            # Wiring of an operand (`v[3]`) takes the wire `v`; the text at its place is what it makes of it.
+            word = "the wire" if "#" in node.path else self.typer.sources.word(place)
+            if number == problem.operand and place == position:
+                far = origin is not None and place is not None and origin.file == place.file
+                line = f", from line {origin.line}" if origin is not None and far and origin.line != place.line else ""
+                label = f"{word} is {wire_type}{line}"
+            else:
+                notes.append(Note(f"operand {number + 1}{'' if '#' in node.path else f', `{word}`,'} is {wire_type}", origin))
+        self.typer.report(problem, position, notes, label)
 
     def _origin(self, wire: int) -> Position | None:
         """Where a wire comes from: the block behind anonymous wiring, or the input's declaration."""
@@ -289,18 +305,22 @@ class _StructureTyper:
     def _output_types(self) -> None:
         for port in self.structure.outputs:
             wire_type = None if port.wire == POISON else self.types[port.wire]
-            if wire_type is None or port.units is None:
-                continue
-            clash = first_mismatch(port.units, wire_type.units)
-            if clash is not None:
-                _, declared, found = clash
-                problem = SymbolProblem(
-                    "E211",
-                    f"output `{port.name}` has another unit",
-                    f"it is declared in {declared}, the wire is in {found}: {conversion_hint(found, declared)}",
-                    f"multiply by a constant of unit {declared / found}, or correct the unit that is wrong",
-                )
-                self.typer.report(problem, port.position, [])
-            elif wire_type.units is None or isinstance(wire_type.units, tuple):
-                units = merge_units(wire_type.units, port.units, wire_type.size)
-                self.types[port.wire] = WireType(wire_type.shape, wire_type.boolean, units)
+            if wire_type is not None:
+                self.types[port.wire] = self._check_output(port, wire_type)
+
+    def _check_output(self, port: OutputPort, wire_type: WireType) -> WireType:
+        """The type of an output: the wire's, with the declared unit where the wire has none."""
+        clash = first_mismatch(port.units, wire_type.units)
+        if clash is not None:
+            _, declared, found = clash
+            problem = SymbolProblem(
+                "E211",
+                f"output `{port.name}` has another unit",
+                f"it is declared in {declared}, the wire is in {found}: {conversion_hint(found, declared)}",
+                conversion_remedy(found, declared),
+            )
+            self.typer.report(problem, port.position, [])
+        elif port.units is not None and (wire_type.units is None or isinstance(wire_type.units, tuple)):
+            units = merge_units(wire_type.units, port.units, wire_type.size)
+            return WireType(wire_type.shape, wire_type.boolean, units)
+        return wire_type

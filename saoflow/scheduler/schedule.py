@@ -107,21 +107,29 @@ def _shortest_loop(component: set[int], before: Callable[[int], list[int]]) -> l
     return best[first:] + best[:first]
 
 
+def _operand_position(node: Node, following: Node) -> Position | None:
+    """Where the sheet connects the output of a node to the one that follows."""
+    wires = set(node.outputs)
+    for wire, position in zip(following.inputs, following.operand_positions, strict=True):
+        if wire in wires:
+            return position
+    return None
+
+
 def _report_loop(
     body: Body, loop: list[int], produced_by: dict[int, int], found: Diagnoses, sources: SourceLines
 ) -> None:
     nodes = [body.nodes[i] for i in loop]
     names = [node.path for node in nodes if "#" not in node.path] or [nodes[0].path]
     notes = []
+    last = names[-1]
     for i, node in enumerate(nodes):
-        following = nodes[(i + 1) % len(nodes)]
-        wires = set(node.outputs)
-        place: Position | None = None
-        for wire, position in zip(following.inputs, following.operand_positions, strict=True):
-            if wire in wires:
-                place = position
-                break
-        notes.append(Note(f"{node.path} -> {following.path}", place or following.position))
+        if "#" in node.path:
+            continue  # wiring of an operand: the step from the block before it to this one is told as one
+        place = _operand_position(nodes[i - 1], node) or node.position
+        notes.append(Note(f"{last} -> {node.path}", place))
+        last = node.path
+    notes = [*notes[1:], *notes[:1]]
     start = next((node for node in nodes if "#" not in node.path), nodes[0])
     found.add(
         Diagnosis(
