@@ -280,8 +280,8 @@ def _call_sites(schedule: Schedule) -> dict[int, int]:
 def _wire_names(schedule: Schedule) -> dict[str, int]:
     """The wires of one body by path: inputs, blocks, ports of called sheets, outputs."""
     structure = schedule.body.structure
-    names = {port.name: port.wire for port in structure.outputs}
-    names.update({port.name: port.wire for port in structure.inputs})
+    names = {port.name: port.wire for port in structure.inputs}
+    names.update({port.name: port.wire for port in structure.outputs})  # as in a sheet: `stages.P_hat` is the output
     for node in structure.nodes:
         if node.child is None:
             names[node.path] = node.outputs[0]
