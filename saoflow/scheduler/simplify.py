@@ -6,6 +6,7 @@ what remains.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from saoflow.operations import Kind
@@ -13,7 +14,40 @@ from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody
 
 
 def simplify(program: FrameProgram) -> FrameProgram:
-    """The program without dead operations."""
+    """The program without dead operations, and without parameters of procedures that nothing reads."""
+    while True:
+        program = _without_dead(program)
+        unread = [_unread(body) for body in program.procedures]
+        if not any(unread):
+            return program
+        program = _without_parameters(program, unread)
+
+
+def _unread(body: ProgramBody) -> frozenset[int]:
+    """Which parameters, by place, neither an operation nor a result reads."""
+    read = {atom for op in body.operations for atom in op.operands} | set(body.results)
+    return frozenset(i for i, value in enumerate(body.parameters) if value not in read)
+
+
+def _without_parameters(program: FrameProgram, unread: Sequence[frozenset[int]]) -> FrameProgram:
+    def narrowed(body: ProgramBody) -> ProgramBody:
+        operations = tuple(
+            op
+            if op.kind is not Kind.CALL
+            else replace(op, operands=tuple(a for i, a in enumerate(op.operands) if i not in unread[op.detail]))
+            for op in body.operations
+        )
+        return replace(body, operations=operations)
+
+    procedures = tuple(
+        replace(narrowed(body), parameters=tuple(v for i, v in enumerate(body.parameters) if i not in dropped))
+        for body, dropped in zip(program.procedures, unread, strict=True)
+    )
+    groups = tuple(replace(group, body=narrowed(group.body)) for group in program.groups)
+    return replace(program, procedures=procedures, groups=groups)
+
+
+def _without_dead(program: FrameProgram) -> FrameProgram:
     used: list[set[int]] = [set() for _ in program.procedures]
     called = [False] * len(program.procedures)
     groups = [

@@ -1,0 +1,1 @@
+"""Printing C from a frame program; compiling and binding it."""

@@ -1,0 +1,349 @@
+"""From a frame program to the tree of C: one struct of state, ``init`` and ``step``, a function per procedure.
+
+C99, freestanding, no mathematics library, no heap, no recursion, no global variable, no loop that depends on data. Every
+operation becomes one statement on ``const`` locals, so that a compiler without contraction computes the interpreter's bits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from saoflow.codegen.names import Names
+from saoflow.codegen.tables_c import table_items
+from saoflow.codegen.tree import (
+    Assign,
+    Binary,
+    Call,
+    Conditional,
+    Declare,
+    DeclareArray,
+    Define,
+    Do,
+    Element,
+    Expression,
+    Field,
+    File,
+    Function,
+    Include,
+    Integer,
+    Item,
+    Not,
+    Parameter,
+    Real,
+    Return,
+    Statement,
+    Struct,
+    StructField,
+    Trace,
+    Variable,
+)
+from saoflow.operations import Atom, Kind, Literal
+from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody, ProgramPort
+from saoflow.wires import WireType, shape_text, unit_suffix
+
+_BINARY = {
+    Kind.ADD: "+",
+    Kind.SUBTRACT: "-",
+    Kind.MULTIPLY: "*",
+    Kind.LESS: "<",
+    Kind.LESS_EQUAL: "<=",
+    Kind.AND: "&&",
+    Kind.OR: "||",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StateField:
+    """A field of the state struct: the slots of one delay, from the first on."""
+
+    name: str
+    path: str
+    first: int
+    size: int
+    boolean: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """The C names that a caller needs."""
+
+    prefix: str
+    real_type: str
+    input_struct: str
+    output_struct: str
+    state_struct: str
+    init: str
+    step: str
+    inputs: tuple[str, ...]
+    """Field names, in the order of the ports."""
+    outputs: tuple[str, ...]
+    states: tuple[StateField, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """The files of one sheet, not yet printed."""
+
+    header: File
+    source: File
+    interface: Interface
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What the comment at the head says."""
+
+    doc: str
+    sheet_hash: str
+    lines: tuple[str, ...]
+
+
+def generate(program: FrameProgram, about: About) -> Code:
+    """The header and the source of a program."""
+    return _Generator(program, about).code()
+
+
+class _Generator:
+    def __init__(self, program: FrameProgram, about: About) -> None:
+        self.program = program
+        self.about = about
+        self.real = "double" if program.real == 64 else "float"
+        self.names = Names()
+        prefix = self.names.make(program.sheet, "sheet", 20)
+        fields = Names()
+        outputs = Names()
+        ports = (*program.outputs, *program.probes)
+        self.interface = Interface(
+            prefix,
+            self.real,
+            self.names.make(f"{prefix}_input", "input"),
+            self.names.make(f"{prefix}_output", "output"),
+            self.names.make(f"{prefix}_state", "state"),
+            self.names.make(f"{prefix}_init", "init"),
+            self.names.make(f"{prefix}_step", "step"),
+            tuple(fields.make(p.name, f"in{i}") for i, p in enumerate(program.inputs)),
+            tuple(outputs.make(p.name, f"out{i}") for i, p in enumerate(ports)),
+            _state_fields(program),
+        )
+        self.tables = [self.names.make(f"{prefix}_t{i}", f"t{i}") for i in range(len(program.tables))]
+        self.procedures = [
+            self.names.make(f"{prefix[:8]}_p{i}_{body.name}", f"p{i}") for i, body in enumerate(program.procedures)
+        ]
+        self.slots = {
+            f.first + k: Element(Field("state", f.name), Integer(k, True))
+            for f in self.interface.states
+            for k in range(f.size)
+        }
+
+    def code(self) -> Code:
+        face = self.interface
+        comment = "\n".join([self.about.doc, *self.about.lines, f"Sheets: sha256 {self.about.sheet_hash}."])
+        header = File(f"{face.prefix}.h", comment, self._header_items(), f"{face.prefix.upper()}_H")
+        items: list[Item] = [Include(header.name)]
+        for name, table in zip(self.tables, self.program.tables, strict=True):
+            items += table_items(name, table, self.real, self.program.real)
+        for i, body in enumerate(self.program.procedures):
+            items.append(self._procedure(i, body))
+        items += [self._init(), self._step()]
+        return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)
+
+    # -- the header
+
+    def _header_items(self) -> tuple[Item, ...]:
+        face, program = self.interface, self.program
+        outputs = (*program.outputs, *program.probes)
+        state = [StructField(self._type(f.boolean), f.name, f.size, f"delay {f.path}") for f in face.states]
+        empty = StructField("unsigned char", "empty", 0, "C has no empty structs")
+        upper = face.prefix.upper()
+        return (
+            Define(f"{upper}_INPUT_ELEMENTS", f"{sum(p.type.size for p in program.inputs)}u"),
+            Define(f"{upper}_OUTPUT_ELEMENTS", f"{sum(p.type.size for p in outputs)}u"),
+            Define(f"{upper}_STATE_SLOTS", f"{len(program.states)}u"),
+            Struct(face.input_struct, self._ports(program.inputs, face.inputs) or (empty,), "Inputs of a frame."),
+            Struct(face.output_struct, self._ports(outputs, face.outputs) or (empty,), "Outputs of a frame."),
+            Struct(face.state_struct, tuple(state) or (empty,), "What is remembered between frames."),
+            Function("void", face.init, (self._state_parameter(),), None, False, "The state before the first frame."),
+            Function("void", face.step, self._step_parameters(), None, False, "One frame."),
+        )
+
+    def _ports(self, ports: tuple[ProgramPort, ...], names: tuple[str, ...]) -> tuple[StructField, ...]:
+        return tuple(
+            StructField(self._type(p.type.boolean), name, p.type.size if p.type.shape else 0, _port_text(p))
+            for p, name in zip(ports, names, strict=True)
+        )
+
+    def _type(self, boolean: bool) -> str:
+        return "_Bool" if boolean else self.real
+
+    def _state_parameter(self) -> Parameter:
+        return Parameter(f"{self.interface.state_struct} *", "state")
+
+    def _step_parameters(self) -> tuple[Parameter, ...]:
+        face = self.interface
+        return (
+            self._state_parameter(),
+            Parameter(f"const {face.input_struct} *", "input"),
+            Parameter(f"{face.output_struct} *", "output"),
+        )
+
+    # -- the functions
+
+    def _init(self) -> Function:
+        body: list[Statement] = []
+        for f in self.interface.states:
+            for k in range(f.size):
+                value = self.program.states[f.first + k].initial
+                body.append(Assign(Element(Field("state", f.name), Integer(k, True)), self._literal(Literal(value))))
+        if not body:
+            body.append(Assign(Field("state", "empty"), Integer(0, True)))
+        return Function("void", self.interface.init, (self._state_parameter(),), tuple(body), False)
+
+    def _procedure(self, number: int, body: ProgramBody) -> Function:
+        parameters = tuple(Parameter(f"const {self._type(body.booleans[v])}", f"v{v}") for v in body.parameters)
+        statements = list(self._operations(body, f"{body.name}: "))
+        single = len(body.results) == 1
+        if single:
+            (atom,) = body.results
+            statements.append(Return(self._atom(atom)))
+            result = self._type(self._is_boolean(body, atom))
+        else:
+            counts = [0, 0]
+            for atom in body.results:
+                boolean = self._is_boolean(body, atom)
+                target = Element(Variable("q" if boolean else "r"), Integer(counts[boolean], True))
+                counts[boolean] += 1
+                statements.append(Assign(target, self._atom(atom)))
+            if counts[0]:
+                parameters += (Parameter(f"{self.real} *", "r"),)
+            if counts[1]:
+                parameters += (Parameter("_Bool *", "q"),)
+            result = "void"
+        comment = f"Sheet {body.name}: {len(body.operations)} operations."
+        return Function(result, self.procedures[number], parameters, tuple(statements), True, comment)
+
+    def _step(self) -> Function:
+        (group,) = self.program.groups
+        statements: list[Statement] = []
+        read = _read(group.body)
+        for port, name in zip(self.program.inputs, self.interface.inputs, strict=True):
+            for k, atom in enumerate(port.tensor.atoms):
+                if atom not in read:
+                    continue
+                source = _element(Field("input", name), port.type, k)
+                trace = Trace(f"input {port.name}", self.program.sheet, 0)
+                statements.append(Declare(f"const {self._type(port.type.boolean)}", f"v{atom}", source, trace))
+        statements += self._operations(group.body, "")
+        ports = (*self.program.outputs, *self.program.probes)
+        atoms = iter(group.body.results)
+        for port, name in zip(ports, self.interface.outputs, strict=True):
+            for k in range(port.type.size):
+                target = _element(Field("output", name), port.type, k)
+                statements.append(Assign(target, self._atom(next(atoms))))
+        unused = [] if read.intersection(group.body.parameters) else ["input"]
+        unused += [] if self.program.states else ["state"]
+        unused += [] if ports else ["output"]
+        statements += [Do(Call("(void)", (Variable(name),))) for name in unused]
+        return Function("void", self.interface.step, self._step_parameters(), tuple(statements), False)
+
+    def _operations(self, body: ProgramBody, prefix: str) -> list[Statement]:
+        statements: list[Statement] = []
+        read = _read(body)
+        for number, op in enumerate(body.operations):
+            origin = body.origins[op.origin]
+            trace = Trace(prefix + origin.path, origin.position.file, origin.position.line)
+            if op.kind is Kind.CALL:
+                statements += self._call(body, op, number, trace, read)
+            elif op.kind is Kind.WRITE:
+                statements.append(Assign(self.slots[op.detail], self._atom(op.operands[0]), trace))
+            else:
+                (result,) = op.results
+                kind = f"const {self._type(body.booleans[result])}"
+                statements.append(Declare(kind, f"v{result}", self._value(op), trace))
+        return statements
+
+    def _call(
+        self, body: ProgramBody, op: Operation, number: int, trace: Trace, read: set[Atom]
+    ) -> list[Statement]:
+        arguments = tuple(self._atom(a) for a in op.operands)
+        name = self.procedures[op.detail]
+        if len(op.results) == 1:
+            (result,) = op.results
+            kind = f"const {self._type(body.booleans[result])}"
+            return [Declare(kind, f"v{result}", Call(name, arguments), trace)]
+        statements: list[Statement] = []
+        results: list[Statement] = []
+        counts = [0, 0]
+        for result in op.results:
+            boolean = body.booleans[result]
+            array = Variable(f"{'q' if boolean else 'r'}{number}")
+            source = Element(array, Integer(counts[boolean], True))
+            counts[boolean] += 1
+            if result in read:
+                results.append(Declare(f"const {self._type(boolean)}", f"v{result}", source, trace))
+        for which, count in enumerate(counts):
+            if count:
+                array = Variable(f"{'q' if which else 'r'}{number}")
+                statements.append(DeclareArray(self._type(bool(which)), array.name, count, trace))
+                arguments += (array,)
+        return [*statements, Do(Call(name, arguments), trace), *results]
+
+    def _value(self, op: Operation) -> Expression:
+        operands = [self._atom(a) for a in op.operands]
+        if op.kind in _BINARY:
+            return Binary(_BINARY[op.kind], operands[0], operands[1])
+        match op.kind:
+            case Kind.RECIPROCAL:
+                return Binary("/", Real(1.0, self.program.real), operands[0])
+            case Kind.MINIMUM:
+                return Conditional(Binary("<", operands[0], operands[1]), operands[0], operands[1])
+            case Kind.MAXIMUM:
+                return Conditional(Binary(">", operands[0], operands[1]), operands[0], operands[1])
+            case Kind.NOT:
+                return Not(operands[0])
+            case Kind.SELECT:
+                return Conditional(operands[0], operands[1], operands[2])
+            case Kind.READ:
+                return self.slots[op.detail]
+            case _:
+                return Call(self.tables[op.detail], tuple(operands))
+
+    def _atom(self, atom: Atom) -> Expression:
+        return self._literal(atom) if isinstance(atom, Literal) else Variable(f"v{atom}")
+
+    def _literal(self, literal: Literal) -> Expression:
+        if isinstance(literal.value, bool):
+            return Integer(int(literal.value))
+        return Real(literal.value, self.program.real)
+
+    @staticmethod
+    def _is_boolean(body: ProgramBody, atom: Atom) -> bool:
+        return isinstance(atom.value, bool) if isinstance(atom, Literal) else body.booleans[atom]
+
+
+def _read(body: ProgramBody) -> set[Atom]:
+    """What the operations and results of a body read."""
+    return {a for op in body.operations for a in op.operands} | set(body.results)
+
+
+def _element(base: Expression, wire_type: WireType, k: int) -> Expression:
+    return Element(base, Integer(k, True)) if wire_type.shape else base
+
+
+def _port_text(port: ProgramPort) -> str:
+    unit = unit_suffix(port.type.units)
+    return (
+        f"{port.name}: {shape_text(port.type.shape)}{',' + unit if unit else ''}{'; ' + port.doc if port.doc else ''}"
+    )
+
+
+def _state_fields(program: FrameProgram) -> tuple[StateField, ...]:
+    names = Names()
+    fields: list[StateField] = []
+    start = 0
+    for i in range(1, len(program.states) + 1):
+        if i == len(program.states) or program.states[i].path != program.states[start].path:
+            slot = program.states[start]
+            name = names.make(slot.path, f"delay{len(fields)}")
+            fields.append(StateField(name, slot.path, start, i - start, isinstance(slot.initial, bool)))
+            start = i
+    return tuple(fields)
