@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from saoflow.report import Fact, TextTable
-from verification.demo.result import ROUNDING, SETTLED, TOLERANCES, DemoResult, Method
+from verification.demo.result import ROUNDING, SETTLED, TOLERANCES, DemoResult, Method, OtherDecision
 from verification.demo.scenario import FRAMES_SHOWN, WITHIN
 
 SENSORS = {"alpha": "angle-of-attack", "vc": "airspeed"}
@@ -94,12 +94,19 @@ def _equal(result: DemoResult) -> str:
     def worst(quantity: str, exact: bool, fault_free: bool) -> float:
         return max(result.largest_difference(m, quantity, exact, fault_free) for m in result.methods)
 
-    same = all(m.same_decisions for m in result.methods)
+    others = [f"{m.label} {_other(other)}" for m in result.methods for other in m.other_decisions]
+    decisions = "every decision at the same frame" + (" but " if others else "") + ", ".join(others)
     return (
-        f"fault-free within {worst('alpha', False, True):.1e} deg and {worst('vc', False, True):.1e} kt by its tables, "
+        f"before the fault within {worst('alpha', False, True):.1e} deg and {worst('vc', False, True):.1e} kt with tables, "
         f"{worst('alpha', True, True):.0e} deg and {worst('vc', True, True):.0e} kt with exact functions; "
-        f"{'every decision at the same frame' if same else 'DECISIONS DIFFER'}"
+        f"{decisions}"
     )
+
+
+def _other(other: OtherDecision) -> str:
+    unit = {"alpha": "deg", "vc": "kt"}[other.sensor]
+    own, reference = ("never" if frame is None else f"frame {frame}" for frame in (other.own, other.other))
+    return f"{other.sensor}_{other.number} at {own}, not {reference} (rms {other.margin:.0e} {unit} from the threshold)"
 
 
 def error_table(result: DemoResult) -> TextTable:
@@ -186,6 +193,7 @@ def _method_dict(result: DemoResult, method: Method) -> dict[str, Any]:
             for free in (True, False)
         },
         "same_decisions": method.same_decisions,
+        "other_decisions": [_other(other) for other in method.other_decisions],
         "seconds": method.seconds,
     }
 

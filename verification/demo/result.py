@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from saoflow import LoadedSheet
+from saoflow.report.page import limits_of
 from saoflow.scheduler.budget import BudgetReport
 from verification.demo.scenario import FRAMES_SHOWN, WITHIN, Scenario
 from verification.recordings.recording import Array, Recording
@@ -17,6 +18,9 @@ Arrays = dict[str, Array]
 DEGREES = 180.0 / np.pi
 SETTLED = 50
 """Frames after the start in which decisions are inhibited; errors are judged after them."""
+
+WINDOW = 10
+"""Frames that decide on a sensor: N_eval."""
 
 TOLERANCES = {"alpha": 1e-3, "vc": 0.02}
 """Sheet with tables against the reference without, fault-free, closed loop: deg, kt."""
@@ -74,10 +78,51 @@ class Method:
         factor = DEGREES if quantity == "alpha" else 1.0
         return factor * np.abs(own[f"{quantity}_hat"] - self.reference[f"{quantity}_hat"])
 
+    @cached_property
+    def other_decisions(self) -> tuple[OtherDecision, ...]:
+        """Sensors that the sheet with tables confirms at another frame than the reference."""
+        limits = limits_of(self.sheet)
+        thresholds = {"alpha": limits.alpha_threshold_deg, "vc": limits.vc_threshold_kt}
+        found = []
+        for sensor, number in sorted({(c.sensor, c.number) for c in (*self.confirmed, *confirmations(self.reference))}):
+            own, other = (_frame(found_, sensor, number) for found_ in (self.confirmed, confirmations(self.reference)))
+            if own == other:
+                continue
+            first = min(frame for frame in (own, other) if frame is not None)
+            factor = DEGREES if sensor == "alpha" else 1.0
+            rms = factor * self.reference[f"{sensor}_rms"][max(first - WINDOW, 0) : first + 1, number - 1]
+            margin = float(np.abs(rms - (thresholds[sensor] or 0.0)).min())
+            found.append(OtherDecision(sensor, number, own, other, margin))
+        return tuple(found)
+
     @property
     def same_decisions(self) -> bool:
-        """Whether sheet and reference confirm the same sensors at the same frames."""
-        return self.confirmed == confirmations(self.reference)
+        """Whether sheet and reference decide alike.
+
+        With exact functions: the same sensors at the same frames. With tables likewise, but where the rms came within
+        the tables' tolerance of its threshold.
+        """
+        return confirmations(self.exact) == confirmations(self.reference) and all(
+            other.margin <= TOLERANCES[other.sensor] for other in self.other_decisions
+        )
+
+
+@dataclass(frozen=True)
+class OtherDecision:
+    """A sensor confirmed by the sheet at ``own`` and by the reference at ``other`` (frames, None: never).
+
+    ``margin``: how near the reference's rms came to the threshold in the frames that decided; deg or kt.
+    """
+
+    sensor: str
+    number: int
+    own: int | None
+    other: int | None
+    margin: float
+
+
+def _frame(found: tuple[Confirmed, ...], sensor: str, number: int) -> int | None:
+    return next((c.frame for c in found if (c.sensor, c.number) == (sensor, number)), None)
 
 
 def confirmations(outputs: Arrays) -> tuple[Confirmed, ...]:
