@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from saoflow.units import Unit, Units, per_element
 
+MOST_ELEMENTS = 1_000_000
+"""Bound on the elements of one wire, on what one delay remembers, and on the products of one matrix product."""
+
 
 @dataclass(frozen=True, slots=True)
 class WireType:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from saoflow.blocks.symbol import Arguments, Parameter, Port, Symbol, SymbolProblem, count_of, word_of
+from saoflow.blocks.symbol import Arguments, Parameter, Port, Symbol, SymbolProblem, count_of, need_room, word_of
 from saoflow.operations import Expander, Tensor
 from saoflow.units import Units, collapse, conversion_hint
-from saoflow.wires import WireType, shape_text
+from saoflow.wires import MOST_ELEMENTS, WireType, shape_text
 
 LONGEST = 10_000
 
@@ -79,11 +80,11 @@ class Delay(Symbol[Memory]):
             return initial.shape if initial.ndim else None
         given = arguments["shape"].array
         sizes = np.atleast_1d(given) if given is not None else np.zeros(0)
-        if sizes.ndim != 1 or any(n != int(n) or n < 1 for n in sizes):
+        if sizes.ndim != 1 or any(n != int(n) or not 1 <= n <= MOST_ELEMENTS for n in sizes):
             raise SymbolProblem(
                 "E216",
                 "`shape` must be whole numbers",
-                "each axis needs a size of at least 1",
+                f"each axis has 1 to {MOST_ELEMENTS} elements",
                 "write shape: [3] or shape: [3, 4]; [] is a scalar",
                 parameter="shape",
             )
@@ -105,6 +106,7 @@ class Delay(Symbol[Memory]):
         if shape is None:
             shape = wire.shape if wire is not None else ()
         units = configuration.units if configuration.units is not None or wire is None else wire.units
+        need_room(math.prod(shape) * configuration.frames, "what the delay remembers")
         boolean = configuration.boolean
         if boolean is None:
             boolean = wire is not None and wire.boolean

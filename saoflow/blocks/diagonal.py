@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from saoflow.blocks.symbol import Arguments, Port, Symbol, SymbolProblem, connected, need_real, present
+from saoflow.blocks.symbol import Arguments, Port, Symbol, SymbolProblem, connected, need_real, need_room, present
 from saoflow.operations import ZERO, Expander, Tensor
 from saoflow.units import Unit, collapse
 from saoflow.wires import WireType, shape_text
@@ -35,6 +35,7 @@ class Diagonal(Symbol[None]):
                 operand=0,
             )
         n = wire.shape[0]
+        need_room(n * n, "the diagonal matrix")
         flat: list[Unit | None] = [None] * (n * n)
         flat[:: n + 1] = wire.element_units()
         return WireType((n, n), False, collapse(flat))

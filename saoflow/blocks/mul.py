@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import reduce
 from typing import ClassVar
@@ -16,6 +17,7 @@ from saoflow.blocks.symbol import (
     SymbolProblem,
     connected,
     need_real,
+    need_room,
     present,
     word_of,
 )
@@ -150,6 +152,7 @@ def _matrix_type(left: WireType, right: WireType, operand: int) -> WireType:
             operand=operand,
         )
     shape = left.shape[:-1] + right.shape[1:]
+    need_room(math.prod(shape) * right.shape[0], "the matrix product")
     return WireType(shape, False, _matrix_units(left, right, operand))
 
 

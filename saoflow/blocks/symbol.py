@@ -12,7 +12,7 @@ import numpy as np
 from saoflow.formula import Formula
 from saoflow.operations import Expander, Tensor
 from saoflow.units import Unit
-from saoflow.wires import WireType
+from saoflow.wires import MOST_ELEMENTS, WireType
 
 Configuration = TypeVar("Configuration")
 
@@ -147,6 +147,17 @@ def need_boolean(inputs: tuple[WireType | None, ...], symbol: str) -> None:
                 'compare it first: {compare: [x, 0.5], relation: ">"}',
                 operand=i,
             )
+
+
+def need_room(elements: int, what: str) -> None:
+    """Refuse what could not be laid out element by element. Raises SymbolProblem E219."""
+    if elements > MOST_ELEMENTS:
+        raise SymbolProblem(
+            "E219",
+            f"{what} is too large",
+            f"it has {elements} elements, and at most {MOST_ELEMENTS} can be laid out one by one",
+            "make the wires smaller",
+        )
 
 
 def word_of(arguments: Arguments, parameter: Parameter) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,7 @@ from saoflow.diagrams.operands import Operands
 from saoflow.diagrams.scope import Scope
 from saoflow.diagrams.sheet import BlockDeclaration, IterationDeclaration, Sheet, UnitText
 from saoflow.units import Unit, Units, collapse
+from saoflow.wires import MOST_ELEMENTS
 
 
 class Declarations:
@@ -45,16 +47,25 @@ class Declarations:
             size = Operands(self.scope, "").whole_number(axis, "the size of an axis")
             if size is None:
                 return None
-            if not 1 <= size <= 1_000_000:
+            if not 1 <= size <= MOST_ELEMENTS:
                 self.scope.report(
                     "E216",
                     "the size of an axis is out of range",
                     axis.position,
-                    f"it is {size}",
-                    "a wire has at least one element along each axis",
+                    f"it is {size}, and must lie in 1 to {MOST_ELEMENTS}",
+                    "give the number of elements along the axis",
                 )
                 return None
             sizes.append(size)
+        if math.prod(sizes) > MOST_ELEMENTS:
+            self.scope.report(
+                "E219",
+                "the wire is too large",
+                axes[0].position,
+                f"it has {math.prod(sizes)} elements, and at most {MOST_ELEMENTS} can be laid out one by one",
+                "make it smaller",
+            )
+            return None
         return tuple(sizes)
 
     def units(self, text: UnitText) -> Units:

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterable
 
 from saoflow.blocks.delay import Delay, merge_units
-from saoflow.blocks.symbol import SymbolProblem
+from saoflow.blocks.symbol import SymbolProblem, need_room
 from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
 from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, OutputPort, SourceLines, Structure
 from saoflow.diagrams.splice import laid_out
@@ -140,7 +140,9 @@ class _StructureTyper:
             ]
         else:
             try:
-                found = [self._as_declared(node, node.symbol.output_type(known, node.configuration))]
+                result = node.symbol.output_type(known, node.configuration)
+                need_room(result.size, "the wire")
+                found = [self._as_declared(node, result)]
             except SymbolProblem as problem:
                 self._refuse(node, problem, known)
                 found = [None]
@@ -213,7 +215,9 @@ class _StructureTyper:
                 line = f", from line {origin.line}" if origin is not None and far and origin.line != place.line else ""
                 label = f"{word} is {wire_type}{line}"
             else:
-                notes.append(Note(f"operand {number + 1}{'' if '#' in node.path else f', `{word}`,'} is {wire_type}", origin))
+                notes.append(
+                    Note(f"operand {number + 1}{'' if '#' in node.path else f', `{word}`,'} is {wire_type}", origin)
+                )
         self.typer.report(problem, position, notes, label)
 
     def _origin(self, wire: int) -> Position | None:
