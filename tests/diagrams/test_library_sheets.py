@@ -137,6 +137,8 @@ def cases() -> list[Case]:
         Case("running_sum", {"sum": v, "x": w}, {"sum": v + w}),
         Case("sum_of", {"x": p3}, {"y": p3.sum(axis=1)}, "n: 3"),
         Case("sum_of_last", {"x": v}, {"y": last_samples(4)(v).sum(axis=1)}, "n: 4"),
+        Case("square_root", {"x": np.abs(v)}, {"y": np.sqrt(np.abs(v))}, "largest: 25"),
+        Case("norm", {"x": v}, {"y": np.linalg.norm(v, axis=1)}, "n: 5, largest: 10"),
         Case("window_rms", {"x": v}, {"y": np.sqrt((last_samples(4)(v) ** 2).mean(axis=1))}, "n: 4, largest: 10"),
         Case("count_last", {"flag": f}, {"y": last_samples(4)(f).sum(axis=1)}, "n: 4", ("flag",)),
         Case(
