@@ -161,6 +161,8 @@ class ReferenceCase:
     """From the state wires and the inputs of one frame to what the reference computes in it."""
     compared: tuple[Compared, ...]
     choices: tuple[Choice, ...] = ()
+    initial: Values = field(default_factory=dict)
+    """By the keys of those compared that are ``following``: what they hold in the first frame."""
     closed_loop: ClosedLoop | None = None
 
 

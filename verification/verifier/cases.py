@@ -9,13 +9,14 @@ import numpy as np
 
 from verification.reference import cmhe_fte as cmhe_reference
 from verification.reference import umhe_fte as umhe_reference
-from verification.reference.estimator import Method, Trace
+from verification.reference.estimator import Method, Trace, initial_state
 from verification.reference.estimator import run as run_reference
 from verification.reference.estimator import step as step_reference
 from verification.reference.inputs import INERTIAL, Inputs
 from verification.reference.tuning import Tuning
 from verification.verifier.case import Choice, ClosedLoop, Closeness, Decision, Expected, ReferenceCase, Values
 from verification.verifier.estimator_case import (
+    Memory,
     Quantity,
     Scales,
     Seen,
@@ -84,6 +85,10 @@ def _case(
             {name: iteration.margin for name, iteration in iterations.items()},
         )
 
+    start = initial_state(tuning)
+    initial = {
+        q.compared.key: np.asarray(q.of_state(start), dtype=np.float64) for q in quantities if isinstance(q, Memory)
+    }
     by_key = {quantity.compared.key: quantity for quantity in quantities}
     choices = tuple(f"step length of pass {j + 1}" for j in range(len(line_searches)))
     return ReferenceCase(
@@ -93,6 +98,7 @@ def _case(
         expect,
         tuple(quantity.compared for quantity in quantities),
         tuple(Choice(name, wire) for name, wire in zip(choices, line_searches, strict=True)),
+        initial,
         closed_loop(method, tuning),
     )
 

@@ -49,7 +49,9 @@ class Worst:
         with np.errstate(all="ignore"):
             self.largest = float(np.nan_to_num(np.abs(got.flat[flat] - right.flat[flat]), nan=np.inf))
 
-    def check(self, part: str, quantity: str, wire: str, unit: str, tolerance: str, judged: bool = True, repeat: str = "") -> Check:
+    def check(
+        self, part: str, quantity: str, wire: str, unit: str, tolerance: str, judged: bool = True, repeat: str = ""
+    ) -> Check:
         """The finished check: it holds if it was compared at all and nowhere exceeds what is allowed."""
         passed = (self.ratio <= 1.0 and self.frames > 0) if judged else None
         numbers = self.largest, self.ratio

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from verification.reference.arrays import KNOT, Array
+from verification.reference.arrays import KNOT, Array, Mask
 from verification.reference.estimator import Outputs, State, Step, Trace
+from verification.reference.interior_point import Iteration
 from verification.reference.tuning import Tuning
 from verification.verifier.case import Compared
 from verification.verifier.estimator_wires import StateWires
@@ -66,7 +67,7 @@ class Seen:
         return self.step.state
 
 
-Getter = Callable[[Seen], Array | float]
+Getter = Callable[[Seen], Array | Mask | float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +76,13 @@ class Quantity:
 
     compared: Compared
     of_reference: Getter
+
+
+@dataclass(frozen=True, eq=False)
+class Memory(Quantity):
+    """A remembered quantity."""
+
+    of_state: Callable[[State], Array | Mask | float]
 
 
 def before_step_3(scales: Scales) -> Iterator[Quantity]:
@@ -140,9 +148,7 @@ def factorization(path: str, number: int, samples: int, scales: Scales, repeat: 
 
     def one(name: str, wire: str, sigma: Array, get: Callable[[Factors], Array]) -> Quantity:
         inside = tuple(f"{path}stages[{i}].measured.{wire}" for i in range(samples - 1))
-        compared = Compared(
-            name, (*inside, f"{path}last.{wire}"), sigma, part=part, after=after, repeat=repeat
-        )
+        compared = Compared(name, (*inside, f"{path}last.{wire}"), sigma, part=part, after=after, repeat=repeat)
         return Quantity(compared, lambda s: get(s.passes[number]))
 
     yield one("C_bar", "C_bar", y[:, None] / x, lambda f: f.C_bar)
@@ -153,33 +159,35 @@ def factorization(path: str, number: int, samples: int, scales: Scales, repeat: 
 
 def passes(scales: Scales, count: int, samples: int) -> Iterator[Quantity]:
     """Algorithm 1 of cmhe_fte: every pass in turn."""
-    x, u = scales.x, scales.u
-    part = "Step 3: Algorithm 1"
     for j in range(count):
-        path, repeat = f"step3.ip[{j}].", f"pass {j + 1}"
+        yield from one_pass(scales, j, samples)
 
-        def one(
-            name: str, wire: str, sigma: Array | float, get: Getter, path: str = path, repeat: str = repeat, after: int = j
-        ) -> Quantity:
-            return Quantity(Compared(name, path + wire, sigma, part=part, after=after, repeat=repeat), get)
 
-        def stacked(
-            name: str, wire: str, n: int, sigma: Array, get: Callable[[Factors], Array], path: str = path,
-            repeat: str = repeat, j: int = j,
-        ) -> Quantity:
-            wires = tuple(f"{path}{wire.format(i)}" for i in range(n))
-            return Quantity(Compared(name, wires, sigma, part=part, after=j, repeat=repeat), lambda s: get(s.passes[j]))
+def one_pass(scales: Scales, j: int, samples: int) -> Iterator[Quantity]:
+    """Pass j of Algorithm 1, j from 0."""
+    x, u = scales.x, scales.u
+    path, part, repeat = f"step3.ip[{j}].", "Step 3: Algorithm 1", f"pass {j + 1}"
 
-        yield stacked("r_y (46e)", "samples[{}].r_y_bar", samples, scales.y_bar, lambda f: f.r_y)
-        yield stacked("r_p (46c)", "transitions[{}].r_p", samples - 1, x, lambda f: f.r_p)
-        yield stacked("Q_bar (46f)", "transitions[{}].Q_bar", samples - 1, u**2, lambda f: f.Q_bar)
-        yield stacked("r_u (46d)", "transitions[{}].r_u_bar", samples - 1, u, lambda f: f.r_u)
-        yield from factorization(path, j, samples, scales, repeat, j)
-        yield one("direction of x", "direction_x", x, lambda s, j=j: s.trace.iterations[j].direction_x)
-        yield one("direction of u", "direction_u", u, lambda s, j=j: s.trace.iterations[j].direction_u)
-        yield one("v", "search.v", 1.0, lambda s, j=j: s.trace.iterations[j].v)
-        yield one("dx", "dx_next", x, lambda s, j=j: s.trace.iterations[j].dx, after=j + 1)
-        yield one("du", "du_next", u, lambda s, j=j: s.trace.iterations[j].du, after=j + 1)
+    def stacked(name: str, wire: str, n: int, sigma: Array, get: Callable[[Factors], Array]) -> Quantity:
+        wires = tuple(path + wire.format(i) for i in range(n))
+        return Quantity(Compared(name, wires, sigma, part=part, after=j, repeat=repeat), lambda s: get(s.passes[j]))
+
+    def one(
+        name: str, wire: str, sigma: Array | float, get: Callable[[Iteration], Array | float], after: int = j
+    ) -> Quantity:
+        compared = Compared(name, path + wire, sigma, part=part, after=after, repeat=repeat)
+        return Quantity(compared, lambda s: get(s.trace.iterations[j]))
+
+    yield stacked("r_y (46e)", "samples[{}].r_y_bar", samples, scales.y_bar, lambda f: f.r_y)
+    yield stacked("r_p (46c)", "transitions[{}].r_p", samples - 1, x, lambda f: f.r_p)
+    yield stacked("Q_bar (46f)", "transitions[{}].Q_bar", samples - 1, u**2, lambda f: f.Q_bar)
+    yield stacked("r_u (46d)", "transitions[{}].r_u_bar", samples - 1, u, lambda f: f.r_u)
+    yield from factorization(path, j, samples, scales, repeat, j)
+    yield one("direction of x", "direction_x", x, lambda i: i.direction_x)
+    yield one("direction of u", "direction_u", u, lambda i: i.direction_u)
+    yield one("v", "search.v", 1.0, lambda i: i.v)
+    yield one("dx", "dx_next", x, lambda i: i.dx, after=j + 1)
+    yield one("du", "du_next", u, lambda i: i.du, after=j + 1)
 
 
 def only_step(scales: Scales, samples: int) -> Iterator[Quantity]:
@@ -191,31 +199,33 @@ def only_step(scales: Scales, samples: int) -> Iterator[Quantity]:
     )
 
 
-def memory(wires: StateWires, scales: Scales, choices: int) -> Iterator[Quantity]:
+def memory(wires: StateWires, scales: Scales, choices: int) -> Iterator[Memory]:
     """The state that the next frame begins with."""
     part = "memory"
 
-    def one(name: str, wire: str | tuple[str, ...], sigma: Array | float, get: Getter, after: int = 0) -> Quantity:
-        return Quantity(Compared(name, wire, sigma, part=part, after=after, following=True), get)
+    def one(
+        name: str,
+        wire: str | tuple[str, ...],
+        sigma: Array | float,
+        get: Callable[[State], Array | Mask | float],
+        after: int = 0,
+    ) -> Memory:
+        compared = Compared(name, wire, sigma, part=part, after=after, following=True)
+        return Memory(compared, lambda s: get(s.state), get)
 
-    yield one("held inputs", wires.held, scales.port, lambda s: s.state.held)
-    yield one("started", wires.started, 1.0, lambda s: s.state.started)
-    yield one("inhibit count", wires.inhibit_count, 1.0, lambda s: s.state.inhibit_count)
-    yield one("past Theta", wires.theta_past, scales.theta, lambda s: s.state.theta_past)
-    yield one("past y", wires.y_past, scales.y, lambda s: s.state.y_past)
-    yield one("past samples present", wires.mask_past, 1.0, lambda s: s.state.mask_past)
-    for row, sensor in enumerate(("alpha", "vc")):
-        sigma = float(scales.sensors[row, 0])
-        yield one(
-            f"past residuals of {sensor}",
-            wires.residuals[row],
-            sigma,
-            lambda s, row=row: s.state.residuals[:, row],
-        )
-        yield one(f"past bad of {sensor}", wires.bads[row], 1.0, lambda s, row=row: s.state.bads[:, row])
-    yield one("faulty", wires.faulty, 1.0, lambda s: s.state.faulty)
-    yield one("warm start of x", wires.x_warm, scales.x, lambda s: s.state.x_warm, after=choices)
-    yield one("warm start of u", wires.u_warm, scales.u, lambda s: s.state.u_warm, after=choices)
+    yield one("held inputs", wires.held, scales.port, lambda s: s.held)
+    yield one("started", wires.started, 1.0, lambda s: s.started)
+    yield one("inhibit count", wires.inhibit_count, 1.0, lambda s: s.inhibit_count)
+    yield one("past Theta", wires.theta_past, scales.theta, lambda s: s.theta_past)
+    yield one("past y", wires.y_past, scales.y, lambda s: s.y_past)
+    yield one("past samples present", wires.mask_past, 1.0, lambda s: s.mask_past)
+    yield one("past residuals of alpha", wires.residuals[0], scales.sensors[0, 0], lambda s: s.residuals[:, 0])
+    yield one("past residuals of vc", wires.residuals[1], scales.sensors[1, 0], lambda s: s.residuals[:, 1])
+    yield one("past bad of alpha", wires.bads[0], 1.0, lambda s: s.bads[:, 0])
+    yield one("past bad of vc", wires.bads[1], 1.0, lambda s: s.bads[:, 1])
+    yield one("faulty", wires.faulty, 1.0, lambda s: s.faulty)
+    yield one("warm start of x", wires.x_warm, scales.x, lambda s: s.x_warm, after=choices)
+    yield one("warm start of u", wires.u_warm, scales.u, lambda s: s.u_warm, after=choices)
 
 
 def after_step_3(scales: Scales, choices: int) -> Iterator[Quantity]:

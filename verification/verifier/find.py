@@ -37,7 +37,8 @@ def find_reference(sheet: str, given: str | None = None) -> tuple[Reference, str
             "E604",
             f"there is no reference for the sheet `{sheet}`",
             f"the sheets with a reference are: {', '.join(sorted(known))}",
-            did_you_mean(sheet, known) or f"name yours with --reference module:name, or in the entry-point group {GROUP}",
+            did_you_mean(sheet, known)
+            or f"name yours with --reference module:name, or in the entry-point group {GROUP}",
         )
     return _as_reference(_import(known[sheet]), known[sheet]), known[sheet]
 

@@ -47,6 +47,8 @@ def compare_frames(
         others += found
         for compared, record in zip(case.compared, worst, strict=True):
             _see(record, compared, scenario, got, expected, alike)
+            if compared.key in case.initial:
+                _see_initial(record, compared, scenario, got, case.initial[compared.key])
     checks = [
         record.check(c.part, c.name, c.wire_name, c.unit, f"{c.tolerance:g} max(|ref|, sigma)", repeat=c.repeat)
         for c, record in zip(case.compared, worst, strict=True)
@@ -119,6 +121,12 @@ def _see(
         )
     ratio = relative_difference(found, right, compared.sigma) / compared.tolerance
     record.see(scenario, rows.astype(float), found, right, ratio)
+
+
+def _see_initial(record: Worst, compared: Compared, scenario: Scenario, got: dict[str, Array], initial: Array) -> None:
+    found, right = compared.of_sheet(got)[:1], np.asarray(initial, dtype=np.float64)[None]
+    ratio = relative_difference(found, right, compared.sigma) / compared.tolerance
+    record.see(scenario, np.array([-1.0]), found, right, ratio)
 
 
 def _choice_checks(case: ReferenceCase, others: list[OtherChoice], frames: int) -> list[Check]:

@@ -9,6 +9,8 @@ import numpy as np
 
 from verification.flights import KINDS, Fault, Missing, Recording, load_recording, random_fault, sensors
 from verification.flights import shipped_recordings as names_of_recordings
+from verification.reference.inputs import INERTIAL
+from verification.reference.tuning import Tuning
 from verification.verifier.case import Scenario
 
 LENGTH = 400
@@ -70,7 +72,7 @@ def _faults_and_gaps(generator: np.random.Generator, onset: float, seconds: floa
 
 Maker = Callable[[np.random.Generator, float, float], Events]
 
-KINDS_OF_RUN: tuple[tuple[str, Maker], ...] = (
+KINDS_OF_RUN: tuple[tuple[str, Maker | None], ...] = (
     ("fault-free", _no_fault),
     ("vc lost", _vc_lost),
     ("gaps", _gaps),
@@ -79,10 +81,10 @@ KINDS_OF_RUN: tuple[tuple[str, Maker], ...] = (
     ("alpha lost", _alpha_lost),
     ("fault-free", _no_fault),
     ("some sensors", _some_sensors),
-    ("fault-free", _no_fault),
+    ("edges of the ranges", None),
     ("vc lost, gaps", _faults_and_gaps),
 )
-"""In this order, over and over."""
+"""In this order, over and over. None: no flight, but :func:`edge_frames`."""
 
 
 def flight_scenarios(frames: int, seed: int) -> tuple[Scenario, ...]:
@@ -97,8 +99,29 @@ def flight_scenarios(frames: int, seed: int) -> tuple[Scenario, ...]:
         kind, make = KINDS_OF_RUN[i % len(KINDS_OF_RUN)]
         # One recording on at every run and one more at every round: each kind meets each recording.
         name = names[(first + i + i // len(KINDS_OF_RUN)) % len(names)]
-        scenarios.append(_scenario(f"{kind}: {name}", name, make, length, generator))
+        if make is None:
+            scenarios.append(edge_frames(length, generator))
+        else:
+            scenarios.append(_scenario(f"{kind}: {name}", name, make, length, generator))
     return tuple(scenarios)
+
+
+def edge_frames(length: int, generator: np.random.Generator) -> Scenario:
+    """No flight: inputs drawn anew in every frame from their ranges, one in twenty just inside or outside an end.
+
+    In the first frames they are missing, so that what stands in for them is seen.
+    """
+    tuning = Tuning()
+    low = np.concatenate([tuning.inertial_range[0], np.repeat(tuning.sensor_range[0], 3)])
+    high = np.concatenate([tuning.inertial_range[1], np.repeat(tuning.sensor_range[1], 3)])
+    values = generator.uniform(low, high, (length, len(low)))
+    beside = 1e-9 * (high - low) * generator.choice([-1.0, 1.0], values.shape)
+    edges = np.where(generator.random(values.shape) < 0.5, low, high) + beside
+    # Seldom enough that all inputs are often valid together, or decisions would be inhibited for ever.
+    values = np.where(generator.random(values.shape) < 0.05, edges, values)
+    values[:3] = np.nan
+    inputs = dict(zip(INERTIAL, values.T, strict=False)) | {"alpha": values[:, 7:10], "vc": values[:, 10:]}
+    return Scenario("edges of the ranges", inputs)
 
 
 def _scenario(title: str, name: str, make: Maker, length: int, generator: np.random.Generator) -> Scenario:

@@ -42,9 +42,7 @@ def expect(state, inputs, share=SHARE):
     """Return what a frame gives from the sheet's state."""
     y, step, length2 = frame(state["before"], inputs["u"], share)
     way = np.sin(np.clip(inputs["u"], -5.0, 5.0)) - state["before"]
-    return Expected(
-        {"way": way, "y": y, "remembered": y}, {"step": np.array(step)}, {"step": abs(length2 / 0.5 - 1.0)}
-    )
+    return Expected({"way": way, "y": y, "remembered": y}, {"step": np.array(step)}, {"step": abs(length2 / 0.5 - 1.0)})
 
 
 def scenarios(frames, seed):

@@ -1,0 +1,154 @@
+"""The table of Table II's faults on the flights, in Markdown, misses included.
+
+python -m verification.results.fault_table -o docs/fault_table.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from verification.flights import KINDS
+from verification.results.faults import (
+    DURATION,
+    LEVELS,
+    ONSET,
+    SEEDS,
+    SENSORS,
+    WHICH,
+    Result,
+    Trial,
+    run_trials,
+    trials,
+)
+
+FLIGHTS = ("a320_calm_350kt_5000ft", "a320_wind_350kt_5000ft")
+"""Level and calm; and manoeuvres in changing wind. Both A320, 350 kt, 5000 ft."""
+
+INTRODUCTION = f"""\
+# The faults of Table II on the flights
+
+Written by `python -m verification.results.fault_table -o docs/fault_table.md`; a shortened version is a test
+(`tests/verification/results/test_fault_table.py`).
+
+Every fault type of Table II of paper 004, at the low, the geometrically middle and the high end of its range, on one,
+two and three sensors of a kind, each with {len(SEEDS)} noise seeds (bias, jamming and runaway negative with the second).
+Sensor noise as in Table I of paper 003, completed; onset at {ONSET:g} s, {DURATION - ONSET:g} s watched after it. The
+readings do not feed back into the aircraft: ours is an open loop.
+
+A cell reads: runs in which all faulty sensors were confirmed, of all runs; mean delay from onset to the confirmation of
+the last of them; largest error of the faulty quantity's estimate after onset, over all runs, found or not. In bold: not
+always found. "+ n wrong": so many healthy sensors were confirmed, over all runs.
+
+What cannot be found, whatever the code: faults below the thresholds (2.9 deg, 12 kt rms); three sensors that move
+together as a wind inside its bounds would make them; angles of attack at a tenth of their value where that is below the
+threshold. Two sensors that agree on a wrong value can outvote the healthy one.
+"""
+
+
+def table(results: Sequence[Result]) -> str:
+    """One row for each sensor, kind and level, one column for each number of faulty sensors; Markdown."""
+    lines = [
+        "| sensor | fault | value | one sensor | two sensors | three sensors |",
+        "|---|---|---|---|---|---|",
+    ]
+    for sensor in SENSORS:
+        for kind in KINDS:
+            for level in (*LEVELS, ""):
+                row = [r for r in results if _key(r.trial) == (sensor, kind, level)]
+                if row:
+                    cells = [_cell([r for r in row if len(r.trial.fault.which) == len(w)]) for w in WHICH]
+                    value = f"{level}: {_value(row[0].trial)}" if level else _value(row[0].trial)
+                    lines.append(f"| {sensor} | {kind.replace('_', ' ')} | {value} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _key(trial: Trial) -> tuple[str, str, str]:
+    return trial.fault.sensor, trial.fault.kind, trial.level
+
+
+def _value(trial: Trial) -> str:
+    fault = trial.fault
+    unit = "deg" if fault.sensor == "alpha" else "kt"
+    if fault.kind == "non_return_to_zero":
+        return f"x {fault.amplitude:g}"
+    if fault.kind == "runaway":
+        return f"{abs(fault.rate or 0.0):.3g} {unit}/s"
+    text = f"{abs(fault.amplitude or 0.0):.3g} {unit}"
+    return f"{text}, {fault.frequency:.2g} Hz" if fault.frequency else text
+
+
+def _cell(results: Sequence[Result]) -> str:
+    if not results:
+        return ""
+    delays = [r.delay_s for r in results if r.delay_s is not None]
+    alpha = results[0].trial.fault.sensor == "alpha"
+    error = max(r.alpha_error if alpha else r.vc_error for r in results)
+    count = f"{len(delays)}/{len(results)}"
+    text = count if len(delays) == len(results) else f"**{count}**"
+    if delays:
+        text += f" in {sum(delays) / len(delays):.2f} s"
+    text += f"; {error:.2f} deg" if alpha else f"; {error:.1f} kt"
+    wrong = sum(r.wrong for r in results)
+    return text + (f" + {wrong} wrong" if wrong else "")
+
+
+def summary(results: Sequence[Result]) -> str:
+    """Counts over the whole table, in one sentence."""
+    found, wrong = sum(r.found for r in results), sum(r.wrong > 0 for r in results)
+    by_number = []
+    for which, number in zip(WHICH, ("one", "two", "three"), strict=True):
+        mine = [r for r in results if len(r.trial.fault.which) == len(which)]
+        by_number.append(f"{sum(r.found for r in mine)} of {len(mine)} on {number}")
+    return (
+        f"All faulty sensors were confirmed in {found} of {len(results)} runs ({', '.join(by_number)} sensors); "
+        f"a healthy sensor was confirmed in {wrong}."
+    )
+
+
+def document(flights: Sequence[str] = FLIGHTS, progress: Callable[[str, float], None] | None = None) -> str:
+    """The whole document: introduction, and for each flight a summary and the table."""
+    parts = [INTRODUCTION]
+    for flight in flights:
+
+        def tell(done: float, flight: str = flight) -> None:
+            if progress is not None:
+                progress(flight, done)
+
+        results = run_trials(flight, trials(), progress=tell)
+        parts.append(f"## {flight}\n\n{summary(results)}\n\n{table(results)}\n")
+    return "\n".join(parts)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the document, all of it or nothing."""
+    parser = argparse.ArgumentParser(prog="python -m verification.results.fault_table", description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, help="file to write; without it the table is printed")
+    output: Path | None = parser.parse_args(arguments).output
+    if output is not None and (output.is_dir() or not os.access(output.resolve().parent, os.W_OK)):
+        parser.error(f"{output} cannot be written: name a file in a folder that exists and that you may write to")
+    text = _with_progress_bar()
+    if output is None:
+        print(text)
+        return 0
+    temporary = output.with_name(f".{output.name}.{os.getpid()}.part")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, output)
+    return 0
+
+
+def _with_progress_bar() -> str:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        tasks = {flight: bar.add_task(flight, total=1.0) for flight in FLIGHTS}
+        return document(progress=lambda flight, done: bar.update(tasks[flight], completed=done))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
