@@ -38,6 +38,14 @@ class WireType:
         return f"{kind} {shape}{unit_suffix(self.units)}"
 
 
+def wrong_unit_count(units: Units, shape: tuple[int, ...]) -> str:
+    """Why per-element units do not fit a shape: ``3 units for 4 elements``; empty if they do."""
+    size = math.prod(shape)
+    if not isinstance(units, tuple) or len(units) == size:
+        return ""
+    return f"{len(units)} units for {size} element{'' if size == 1 else 's'}"
+
+
 def unit_suffix(units: Units) -> str:
     """The unit for display, with a leading space: `` kt``, `` (rad, m/s, m/s)``, or nothing."""
     if units is None:

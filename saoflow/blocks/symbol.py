@@ -11,8 +11,8 @@ import numpy as np
 
 from saoflow.formula import Formula
 from saoflow.operations import Expander, Tensor
-from saoflow.units import Unit
-from saoflow.wires import MOST_ELEMENTS, WireType
+from saoflow.units import Unit, Units
+from saoflow.wires import MOST_ELEMENTS, WireType, wrong_unit_count
 
 Configuration = TypeVar("Configuration")
 
@@ -157,6 +157,18 @@ def need_room(elements: int, what: str) -> None:
             f"{what} is too large",
             f"it has {elements} elements, and at most {MOST_ELEMENTS} can be laid out one by one",
             "make the wires smaller",
+        )
+
+
+def need_units(units: Units, shape: tuple[int, ...]) -> None:
+    """Refuse units per element that are not one per element. Raises SymbolProblem E211."""
+    wrong = wrong_unit_count(units, shape)
+    if wrong:
+        raise SymbolProblem(
+            "E211",
+            "the units do not fit the shape of the wire",
+            wrong,
+            "give one unit for the whole wire, or one for each element",
         )
 
 

@@ -15,7 +15,7 @@ from saoflow.diagrams.operands import Operands
 from saoflow.diagrams.scope import Scope
 from saoflow.diagrams.sheet import BlockDeclaration, IterationDeclaration, Sheet, UnitText
 from saoflow.units import Unit, Units, collapse
-from saoflow.wires import MOST_ELEMENTS
+from saoflow.wires import MOST_ELEMENTS, wrong_unit_count
 
 
 class Declarations:
@@ -36,6 +36,16 @@ class Declarations:
             self.scope.inputs[name] = wire
             shape = None if declaration.shape is None else self._shape(declaration.shape)
             units = None if declaration.unit is None else self.units(declaration.unit)
+            wrong = "" if shape is None or declaration.unit is None else wrong_unit_count(units, shape)
+            if declaration.unit is not None and wrong:
+                self.scope.report(
+                    "E211",
+                    f"the units of `{name}` do not fit its shape",
+                    declaration.unit.position,
+                    wrong,
+                    "give one unit for the whole wire, or one for each element",
+                )
+                units = None
             ports.append(
                 InputPort(name, wire, shape, declaration.boolean, units, declaration.doc, declaration.name.position)
             )

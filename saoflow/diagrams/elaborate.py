@@ -13,7 +13,7 @@ from saoflow.diagrams.sheet import Sheet
 from saoflow.diagrams.store import SheetStore
 from saoflow.diagrams.structure import StructureBuilder
 from saoflow.diagrams.wire_types import Typer
-from saoflow.wires import WireType
+from saoflow.wires import WireType, wrong_unit_count
 
 
 def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | None = None) -> Netlist:
@@ -37,6 +37,20 @@ def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | N
     found.raise_if_errors()
     structure = StructureBuilder(store, found).build(sheet, values, sheet.name.position)
     assert structure is not None
+    for port in structure.inputs:
+        wrong = wrong_unit_count(port.units, port.shape or ())
+        if wrong:
+            found.add(
+                Diagnosis(
+                    "E211",
+                    f"the units of `{port.name}` do not fit its shape",
+                    port.position,
+                    f"{wrong}; without a shape, an input of the sheet that runs is a scalar",
+                    "give the input a shape",
+                    source_line=store.sources.line(port.position),
+                )
+            )
+    found.raise_if_errors()
     body = Typer(found, store.sources).body(structure, root_types(structure))
     found.raise_if_errors()
     shown = tuple((name, str(q.array) if q.text is None else q.text) for name, q in values.values)

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterable
 
 from saoflow.blocks.delay import Delay, merge_units
-from saoflow.blocks.symbol import SymbolProblem, need_room
+from saoflow.blocks.symbol import SymbolProblem, need_room, need_units
 from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
 from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, OutputPort, SourceLines, Structure
 from saoflow.diagrams.splice import laid_out
@@ -142,6 +142,7 @@ class _StructureTyper:
             try:
                 result = node.symbol.output_type(known, node.configuration)
                 need_room(result.size, "the wire")
+                need_units(result.units, result.shape)
                 found = [self._as_declared(node, result)]
             except SymbolProblem as problem:
                 self._refuse(node, problem, known)
@@ -186,6 +187,11 @@ class _StructureTyper:
             )
             self.typer.report(problem, position, [declared_here])
             return WireType(port.shape, port.boolean, port.units)
+        try:
+            need_units(port.units, wire.shape)
+        except SymbolProblem as wrong:
+            self.typer.report(wrong, position, [declared_here])
+            return WireType(wire.shape, port.boolean, wire.units)
         clash = first_mismatch(port.units, wire.units)
         if clash is not None:
             _, wanted, given = clash
@@ -314,6 +320,11 @@ class _StructureTyper:
 
     def _check_output(self, port: OutputPort, wire_type: WireType) -> WireType:
         """The type of an output: the wire's, with the declared unit where the wire has none."""
+        try:
+            need_units(port.units, wire_type.shape)
+        except SymbolProblem as wrong:
+            self.typer.report(wrong, port.position, [])
+            return wire_type
         clash = first_mismatch(port.units, wire_type.units)
         if clash is not None:
             _, declared, found = clash
