@@ -154,14 +154,23 @@ def _end(curve: Curve, logarithmic: bool) -> float:
     if logarithmic:
         positive = curve.values[curve.values > 0.0]
         return float(np.median(positive)) if positive.size else 0.0
-    values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
+    values = _middle(curve)
     finite = values[np.isfinite(values)]
     return float(finite[-1]) if finite.size else 0.0
 
 
+def _middle(curve: Curve) -> Array:
+    """The curve, or the mean of those of several that are finite; NaN where none is."""
+    values = curve.values.reshape(len(curve.values), -1)
+    finite = np.isfinite(values)
+    count = finite.sum(axis=1)
+    mean: Array = np.where(count > 0, np.where(finite, values, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
+    return mean
+
+
 def _leaves(curve: Curve, limits: tuple[float, float]) -> int | None:
     """The frame from which the curve is outside the axis to its end; None if it ends inside."""
-    values = curve.values if curve.values.ndim == 1 else np.nanmean(curve.values, axis=1)
+    values = _middle(curve)
     inside = np.flatnonzero((values >= limits[0]) & (values <= limits[1]))
     return None if not inside.size or inside[-1] == len(values) - 1 else int(inside[-1])
 
@@ -212,7 +221,7 @@ def _end_labels(
         ((float(scale(min(max(y, limits[0]), limits[1]))) - low) / (high - low) * points, text, role)
         for y, text, role in labels
     )
-    for y, (target, text, role) in zip(_spread([w[0] for w in wanted], points), wanted, strict=True):
+    for y, (target, text, role) in zip(spread([w[0] for w in wanted]), wanted, strict=True):
         axes.annotate(
             text,
             (1.0, target / points),
@@ -226,8 +235,8 @@ def _end_labels(
         )
 
 
-def _spread(positions: list[float], room: float, gap: float = 10.5) -> list[float]:
-    """Rising positions at least ``gap`` apart, as near as may be to those given; they may leave ``room`` a little."""
+def spread(positions: list[float], gap: float = 10.5) -> list[float]:
+    """Rising positions [points] moved until they are ``gap`` apart."""
     placed = list(positions)
     for _ in range(60):
         moved = False

@@ -21,7 +21,7 @@ LIGHT = {
     "rule": "#dfe2e6",
     "paper": "#fffffe",
     "estimate": "#0072b2",
-    "limit": "#c9540a",
+    "limit": "#bf4f08",
     "truth": "#1b1e24",
 }
 """Colour by role. Every one differs, so that a role can be found again in the SVG."""

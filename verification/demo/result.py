@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from saoflow import LoadedSheet
-from saoflow.report.page import limits_of
+from saoflow.report import limits_of
 from saoflow.scheduler.budget import BudgetReport
 from verification.demo.scenario import FRAMES_SHOWN, WITHIN, Scenario
 from verification.recordings.recording import Array, Recording
