@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
-from saoflow.recording_file import Table, extension, read_columns
+from saoflow.recording_csv import read_columns
 from saoflow.recording_output import Output, check_output, write_table
+from saoflow.recording_table import Table, extension
 from saoflow.wires import WireType
 
 __all__ = [

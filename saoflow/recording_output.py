@@ -14,7 +14,8 @@ from typing import BinaryIO
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError
-from saoflow.recording_file import EXTENSIONS, extension, need_pyarrow
+from saoflow.recording_parquet import need_pyarrow
+from saoflow.recording_table import EXTENSIONS, extension
 
 ROWS = 8192
 """Rows that are turned into text together."""
@@ -42,26 +43,34 @@ def check_output(path: str | Path, recording: str | Path | None = None) -> Outpu
             "the kind of file is not known by its extension",
             f"choose a name that ends in {', '.join(EXTENSIONS)}",
         )
-    target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     remedy = "name a file in a folder that exists and that you may write to"
-    if target.is_dir():
-        raise _refusal(shown, "it is a folder", "name a file")
-    if not target.parent.is_dir():
-        raise _refusal(shown, f"there is no folder `{Path(path).parent}`", "make the folder first, or name another")
-    if recording is not None and target.exists() and Path(recording).exists() and target.samefile(recording):
-        raise _refusal(shown, "it is the recording that is read", "name another file")
-    if target.exists() and not os.access(target, os.W_OK):
-        raise _refusal(shown, "the file is there and may not be written to", remedy)
     try:
-        with open(temporary, "xb"):
+        output = _output(path, recording, remedy)
+        with open(output.temporary, "wb"):
             pass
-        os.unlink(temporary)
-    except OSError as error:
-        raise _refusal(shown, error.strerror or str(error), remedy) from None
+        os.unlink(output.temporary)
+    except (OSError, ValueError) as error:  # a ValueError: a null character in the path
+        raise _refusal(shown, getattr(error, "strerror", None) or str(error), remedy) from None
     if extension(shown) == ".parquet":
         need_pyarrow(shown)
-    return Output(target, temporary)
+    return output
+
+
+def _output(path: str | Path, recording: str | Path | None, remedy: str) -> Output:
+    """Where to write, if nothing is in the way."""
+    shown = str(path)
+    target = Path(os.path.realpath(path))
+    if os.path.isdir(target):
+        raise _refusal(shown, "it is a folder", "name a file")
+    if not os.path.isdir(target.parent):
+        raise _refusal(shown, f"there is no folder `{Path(path).parent}`", "make the folder first, or name another")
+    if recording is not None and os.path.exists(target) and os.path.exists(recording) and target.samefile(recording):
+        raise _refusal(shown, "it is the recording that is read", "name another file")
+    if os.path.exists(target) and not os.access(target, os.W_OK):
+        raise _refusal(shown, "the file is there and may not be written to", remedy)
+    with contextlib.suppress(FileNotFoundError):
+        os.lstat(target)  # a name that the file system does not take is told here
+    return Output(target, target.with_name(f".saoflow-{os.getpid()}.part"))
 
 
 def write_table(
@@ -79,7 +88,7 @@ def write_table(
                 _write_parquet(columns, file, str(output.path))
             elif kind == ".csv.gz":
                 # No time stamp and no file name inside: the same columns give the same bytes.
-                with gzip.GzipFile("", "wb", 9 if len(columns) < 64 else 6, file, mtime=0) as packed:
+                with gzip.GzipFile("", "wb", 6, file, mtime=0) as packed:
                     _write_text(columns, packed, formatter)
             else:
                 _write_text(columns, file, formatter)

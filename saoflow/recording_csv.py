@@ -1,4 +1,4 @@
-"""Reading the columns of CSV and Parquet files, quickly when all is well, and with the place of every mistake when not."""
+"""Reading the columns of CSV files (other kinds are passed on), quickly when all is well, and with the place of every mistake when not."""
 
 from __future__ import annotations
 
@@ -9,53 +9,26 @@ import os
 import re
 import warnings
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import IO, Any
 
 import numpy as np
 
+from saoflow import recording_table
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
+from saoflow.recording_table import EXTENSIONS, MOST_SHOWN, Chooser, Table, extension, nothing_in, too_large, unreadable
 
-EXTENSIONS = (".csv", ".csv.gz", ".parquet")
-MOST_BYTES = 2**30
-"""Bound on the text of a recording, unpacked."""
-MOST_SHOWN = 50
-"""Mistakes shown one by one; the rest is counted."""
 ROWS = 8192
 """Rows that are turned into numbers together."""
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*([eE][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|inf(inity)?|nan)", re.IGNORECASE | re.ASCII)
 
-Chooser = Callable[[Sequence[str]], Sequence[str] | list[Diagnosis]]
-"""From the names in the file to those that are wanted, or to what is wrong with them."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Table:
-    """Columns of numbers (rows,), by name."""
-
-    names: tuple[str, ...]
-    columns: tuple[np.ndarray, ...]
-    rows: int
-
-    def __len__(self) -> int:
-        return self.rows
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.columns[self.names.index(name)]
-
-
-def extension(path: str) -> str:
-    """``.csv``, ``.csv.gz``, ``.parquet``, or whatever the name ends in."""
-    name = os.path.basename(path).lower()
-    return next((e for e in EXTENSIONS if name.endswith(e)), os.path.splitext(name)[1])
-
 
 def read_columns(path: str, choose: Chooser, flags: frozenset[str] = frozenset()) -> Table:
     """The chosen columns of a file; those in ``flags`` hold 0 and 1. Raises DiagnosisError with all that is found."""
     if extension(path) not in EXTENSIONS:
-        raise _unreadable(
+        raise unreadable(
             path,
             "the kind of file is not known by its extension",
             f"recordings end in {', '.join(EXTENSIONS)}",
@@ -63,37 +36,39 @@ def read_columns(path: str, choose: Chooser, flags: frozenset[str] = frozenset()
     try:
         size = os.stat(path).st_size
         if os.path.isdir(path):
-            raise _unreadable(path, "it is a folder", "name a file")
+            raise unreadable(path, "it is a folder", "name a file")
         if size == 0:
-            raise DiagnosisError([_nothing(path, "E103", "the recording is empty", "the file has no bytes")])
+            raise DiagnosisError([nothing_in(path, "E103", "the recording is empty", "the file has no bytes")])
         if extension(path) == ".parquet":
-            return _read_parquet(path, choose, flags)
+            from saoflow.recording_parquet import read_parquet
+
+            return read_parquet(path, choose, flags)
         return _Reader(path, _content(path, size), flags).read(choose)
     except FileNotFoundError:
-        raise _unreadable(path, "there is no such file", "check the path") from None
+        raise unreadable(path, "there is no such file", "check the path") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise _unreadable(path, f"it is not a whole gzip file: {error}", "pack it again, or give the .csv") from None
+        raise unreadable(path, f"it is not a whole gzip file: {error}", "pack it again, or give the .csv") from None
     except OSError as error:
-        raise _unreadable(path, error.strerror or str(error), "check the path and your rights") from None
+        raise unreadable(path, error.strerror or str(error), "check the path and your rights") from None
     except ValueError as error:
         if "null" not in str(error):
             raise
-        raise _unreadable(path.replace("\0", "\\0"), "the path holds a null character", "check the path") from None
+        raise unreadable(path.replace("\0", "\\0"), "the path holds a null character", "check the path") from None
 
 
 def _content(path: str, size: int) -> bytes:
     """All bytes of a text file, unpacked; bounded, whatever a packed file claims."""
-    if size > MOST_BYTES:
-        raise DiagnosisError([_too_large(path)])
+    if size > recording_table.MOST_BYTES:
+        raise DiagnosisError([too_large(path)])
     with gzip.open(path, "rb") if extension(path) == ".csv.gz" else open(path, "rb") as file:
-        data: bytes = file.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
-        raise DiagnosisError([_too_large(path)])
+        data: bytes = file.read(recording_table.MOST_BYTES + 1)
+    if len(data) > recording_table.MOST_BYTES:
+        raise DiagnosisError([too_large(path)])
     if not data:
-        raise DiagnosisError([_nothing(path, "E103", "the recording is empty", "there are no bytes in it")])
+        raise DiagnosisError([nothing_in(path, "E103", "the recording is empty", "there are no bytes in it")])
     if b"\0" in data:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise _unreadable(
+        raise unreadable(
             path, f"line {line} holds a null character: this is no text", "give it the extension of what it is"
         )
     if not data.isascii():
@@ -101,34 +76,12 @@ def _content(path: str, size: int) -> bytes:
             data.decode("utf-8")
         except UnicodeDecodeError as error:
             line = data.count(b"\n", 0, error.start) + 1
-            raise _unreadable(
+            raise unreadable(
                 path,
                 f"line {line} holds the byte 0x{data[error.start]:02x}, which is not UTF-8 text",
                 "save the file as UTF-8 text, or give it the extension of what it is",
             ) from None
     return data
-
-
-def _unreadable(path: str, cause: str, remedy: str, line: int = 0, text: str | None = None) -> DiagnosisError:
-    where = Position(path, line, 1) if line else None
-    head = "the recording cannot be read" if line else f"{path}: the recording cannot be read"
-    return DiagnosisError([Diagnosis("E501", head, where, cause, remedy, source_line=text)])
-
-
-def _nothing(path: str, code: str, message: str, cause: str) -> Diagnosis:
-    return Diagnosis(
-        code, message, Position(path, 1, 1), cause, "give a header line with the names, and a row for each frame"
-    )
-
-
-def _too_large(path: str) -> Diagnosis:
-    return Diagnosis(
-        "E110",
-        "the recording is too large",
-        Position(path, 1, 1),
-        f"it holds more than {MOST_BYTES // 2**20} MiB",
-        "split it, or leave out columns that the sheet does not need",
-    )
 
 
 @dataclass(slots=True)
@@ -191,7 +144,7 @@ class _Reader:
             chunks = list(self._chunks(reader, lines, names, places))
         except csv.Error as error:
             number = max(1, reader.line_num)
-            raise _unreadable(
+            raise unreadable(
                 self.path,
                 f"{error}: a quote is opened or closed in the wrong place, or a cell is enormous",
                 "mend the line; a quote inside a quoted cell is written twice",
@@ -200,20 +153,22 @@ class _Reader:
             ) from None
         rows = sum(count for count, _ in chunks)
         if not rows and not self.mistakes:
-            self.mistakes.append(_nothing(self.path, "E504", "the recording has no rows", "there is only a header"))
+            self.mistakes.append(nothing_in(self.path, "E504", "the recording has no rows", "there is only a header"))
         self._raise()
         columns = tuple(np.concatenate([part[i] for _, part in chunks]) for i in range(len(places)))
         return Table(tuple(wanted), columns, rows)
 
     def _quick(self, start: int, width: int, places: Sequence[tuple[int, str]]) -> tuple[np.ndarray, ...] | None:
         """The columns if all is well: only numbers, no cell empty; else None, and the careful way finds out."""
+        if self.content.find(b'"', start) >= 0:
+            return None
         file = io.BytesIO(self.content)
         file.seek(start)
         ends = self.content.count(b"\n", start) + (not self.content.endswith(b"\n"))
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # that there are no rows is diagnosed elsewhere
-                table = np.loadtxt(file, delimiter=",", comments=None, quotechar='"', ndmin=2, encoding="utf-8")
+                table = np.loadtxt(file, delimiter=",", comments=None, ndmin=2, encoding="utf-8")
         except ValueError:
             return None
         if table.shape != (ends, width) or not ends:
@@ -226,7 +181,7 @@ class _Reader:
         for row in reader:
             if any(cell.strip() for cell in row):
                 return [cell.strip() for cell in row]
-        raise DiagnosisError([_nothing(self.path, "E103", "the recording is empty", "the file has blank lines only")])
+        raise DiagnosisError([nothing_in(self.path, "E103", "the recording is empty", "the file has blank lines only")])
 
     def _no_duplicates(self, names: Sequence[str], wanted: Sequence[str], lines: _Lines) -> None:
         for name in dict.fromkeys(wanted):
@@ -315,16 +270,17 @@ class _Reader:
             except ValueError:
                 pass
         column = np.full(len(cells), np.nan)
+        wanted = "0 or 1" if name in self.flags else "a number"
         for i, cell in enumerate(cells):
             text = cell.strip()
             if not text:
                 continue
             if NUMBER.fullmatch(text) is None:
-                self._no_number(cell, place, name, ends[i], before + i + 1, lines, "a number")
+                self._no_number(cell, place, name, ends[i], before + i + 1, lines, wanted)
                 continue
             column[i] = float(text)
             if name in self.flags and column[i] not in (0.0, 1.0) and np.isfinite(column[i]):
-                self._no_number(cell, place, name, ends[i], before + i + 1, lines, "0 or 1")
+                self._no_number(cell, place, name, ends[i], before + i + 1, lines, wanted)
         return column
 
     def _wrong_length(self, row: list[str], line: int, number: int, lines: _Lines, width: int) -> None:
@@ -393,91 +349,3 @@ def _cell_at(text: str, place: int) -> tuple[int, int]:
             seen += 1
             start = i + 1
     return start + 1, max(1, len(text) - start)
-
-
-# -- Parquet
-
-
-def need_pyarrow(path: str) -> Any:
-    """The package, or DiagnosisError E605."""
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise DiagnosisError(
-            [
-                Diagnosis(
-                    "E605",
-                    f"{path}: Parquet needs the package pyarrow",
-                    cause="pyarrow is not installed",
-                    remedy="pip install 'saoflow[parquet]', or use .csv or .csv.gz",
-                )
-            ]
-        ) from None
-    return pyarrow
-
-
-def _read_parquet(path: str, choose: Chooser, flags: frozenset[str]) -> Table:
-    pyarrow = need_pyarrow(path)
-    try:
-        with pyarrow.parquet.ParquetFile(path) as file:
-            names = list(file.schema_arrow.names)
-            chosen = choose(names)
-            mistakes = [d for d in chosen if isinstance(d, Diagnosis)]
-            wanted = [name for name in chosen if isinstance(name, str)]
-            rows = file.metadata.num_rows
-            mistakes += _parquet_mistakes(path, pyarrow, file.schema_arrow, wanted)
-            if rows * max(1, len(wanted)) * 8 > MOST_BYTES:
-                mistakes.append(_too_large(path))
-            if not rows and not mistakes:
-                mistakes.append(_nothing(path, "E504", "the recording has no rows", "the file has columns only"))
-            if mistakes:
-                raise DiagnosisError(mistakes)
-            table = file.read(columns=wanted)
-        columns = tuple(_parquet_column(table.column(name), pyarrow) for name in wanted)
-    except pyarrow.ArrowException as error:
-        raise _unreadable(path, f"it is not a Parquet file: {str(error).splitlines()[0]}", "write it again") from None
-    mistakes = []
-    for name, column in zip(wanted, columns, strict=True):
-        if name in flags:
-            odd = np.flatnonzero((column != 0) & (column != 1) & np.isfinite(column))
-            mistakes += [_parquet_flag(path, name, wanted.index(name), int(i), column[i]) for i in odd[:MOST_SHOWN]]
-    if mistakes:
-        raise DiagnosisError(mistakes[:MOST_SHOWN])
-    return Table(tuple(wanted), columns, rows)
-
-
-def _parquet_mistakes(path: str, pyarrow: Any, schema: Any, wanted: Sequence[str]) -> list[Diagnosis]:
-    found = []
-    types = pyarrow.types
-    for name in dict.fromkeys(wanted):
-        places = schema.get_all_field_indices(name)
-        position = Position(path, 1, places[0] + 1 if places else 1)
-        if len(places) > 1:
-            cause = f"columns {', '.join(str(i + 1) for i in places)} have this name"
-            remedy = "rename or drop one of them"
-            found.append(Diagnosis("E506", f"column `{name}` is there {len(places)} times", position, cause, remedy))
-        elif places:
-            kind = schema.field(places[0]).type
-            tests = (types.is_floating, types.is_integer, types.is_boolean, types.is_decimal, types.is_null)
-            if not any(test(kind) for test in tests):
-                message = f"column `{name}` does not hold numbers"
-                remedy = "write the column as float64; a missing sample is null or NaN"
-                found.append(Diagnosis("E503", message, position, f"its type is {kind}", remedy))
-    return found
-
-
-def _parquet_column(column: Any, pyarrow: Any) -> np.ndarray:
-    if not pyarrow.types.is_float64(column.type):
-        column = column.cast(pyarrow.float64(), safe=False)
-    return np.asarray(column.to_numpy(), dtype=np.float64)  # null comes out as NaN
-
-
-def _parquet_flag(path: str, name: str, place: int, row: int, value: float) -> Diagnosis:
-    return Diagnosis(
-        "E503",
-        f"`{value:g}` in row {row + 1} of column `{name}` is not 0 or 1",
-        Position(path, row + 1, place + 1),
-        "the column is a boolean input: 0 or 1",
-        "correct the cell; a missing sample is null or NaN",
-    )
