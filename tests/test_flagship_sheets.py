@@ -88,10 +88,9 @@ NAMES = {"n_horizon": "N", "n_qp": "n_QP"}
 
 OTHERS_ALONE = {
     "cmhe_fte": {p.name for p in fields(Tuning) if p.name.startswith("umhe_")},
-    "umhe_fte": {"vg_min", "vg_max", "wx_max", "wz_max", "kappa_init", "kappa_factor", "n_kappa", "n_qp", "n_s_max"}
-    | {"clip_margin", "distance_floor"},
+    "umhe_fte": set(),
 }
-"""What a sheet does not have, because only the other method needs it."""
+"""What a sheet does not have, because only the other method needs it; umhe_fte has all parameters of cmhe_fte."""
 
 
 def declared(name: str) -> dict[str, tuple[float, Unit | None, str]]:

@@ -37,9 +37,11 @@ def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | N
     found.raise_if_errors()
     structure = StructureBuilder(store, found).build(sheet, values, sheet.name.position)
     assert structure is not None
+    misfits = False
     for port in structure.inputs:
         wrong = wrong_unit_count(port.units, port.shape or ())
         if wrong:
+            misfits = True
             found.add(
                 Diagnosis(
                     "E211",
@@ -50,7 +52,8 @@ def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | N
                     source_line=store.sources.line(port.position),
                 )
             )
-    found.raise_if_errors()
+    if misfits:
+        found.raise_if_errors()
     body = Typer(found, store.sources).body(structure, root_types(structure))
     found.raise_if_errors()
     shown = tuple((name, str(q.array) if q.text is None else q.text) for name, q in values.values)

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from saoflow.diagnosis import Position, did_you_mean
-from saoflow.diagrams.expression_value import Quantity
+from saoflow.diagrams.expression_value import Quantity, names_in
+from saoflow.diagrams.loops import strong_components
 from saoflow.diagrams.scope import Scope
 from saoflow.diagrams.sheet import Argument, ParameterDeclaration, Sheet
 from saoflow.units import Unit, conversion_hint
@@ -39,6 +40,7 @@ def settle(
     """
     names = {**scope.parameters, **extra}
     given: dict[str, Quantity] = {}
+    failed: set[str] = set()
     fine = True
     declared = {p.name.text: p for p in sheet.parameters}
     for argument in arguments:
@@ -56,11 +58,12 @@ def settle(
             continue
         quantity = _argument(scope, argument, names)
         checked = None if quantity is None else _with_unit(scope, quantity, declared[name], argument.position)
-        fine = fine and checked is not None
-        if checked is not None:
+        if checked is None:
+            failed.add(name)
+        else:
             given[name] = checked
-    values = complete(scope, sheet, given, scope.parameters, used, set(scope.broken_parameters))
-    return values if fine and not values.broken else None
+    values = complete(scope, sheet, given, scope.parameters, used, scope.broken_parameters | failed)
+    return values if fine and not failed and not values.broken else None
 
 
 def _argument(scope: Scope, argument: Argument, names: Mapping[str, Quantity]) -> Quantity | None:
@@ -84,31 +87,86 @@ def complete(
     used: Position | None,
     silent: set[str],
 ) -> ParameterValues:
-    """Add inherited values and defaults to what is given. Defaults may use the parameters declared before them.
+    """Add inherited values and defaults to what is given. Defaults may use the other parameters of the sheet.
 
     ``silent`` names parameters around whose absence is already diagnosed.
     """
     values: dict[str, Quantity] = {}
     broken: list[str] = []
-    for declaration in sheet.parameters:
+    for declaration in _by_dependence(scope, sheet, given):
         name = declaration.name.text
         quantity: Quantity | None = None
         if name in given:
             quantity = given[name]
         elif declaration.value is not None:
-            quantity = scope.value_of(declaration.value, values)
+            if not any(n.text in broken for n in names_in(declaration.value)):
+                quantity = scope.value_of(declaration.value, values)
             if quantity is not None:
                 quantity = _with_unit(scope, quantity, declaration, declaration.value.position)
         elif declaration.inherited and name in around:
             quantity = _with_unit(scope, around[name], declaration, declaration.name.position)
         elif name not in silent:
             _no_value(scope, sheet, declaration, used)
+        if quantity is not None and not _in_range(scope, quantity, declaration, values):
+            quantity = None
         if quantity is None:
             broken.append(name)
             scope.broken_parameters.add(name)
         else:
             values[name] = quantity
     return ParameterValues(tuple(values.items()), tuple(broken))
+
+
+def _by_dependence(scope: Scope, sheet: Sheet, given: Mapping[str, Quantity]) -> list[ParameterDeclaration]:
+    """The declarations, each after those that its default and range use; circles are diagnosed and left out."""
+    declared = {p.name.text: i for i, p in enumerate(sheet.parameters)}
+
+    def uses(i: int) -> list[int]:
+        declaration = sheet.parameters[i]
+        read = [declaration.range] if declaration.name.text in given else [declaration.value, declaration.range]
+        return [declared[n.text] for e in read if e is not None for n in names_in(e) if n.text in declared]
+
+    ordered: list[ParameterDeclaration] = []
+    for component in strong_components(range(len(sheet.parameters)), uses):
+        first = sheet.parameters[min(component)]
+        if len(component) == 1 and component[0] not in uses(component[0]):
+            ordered.append(first)
+            continue
+        names = [f"`{sheet.parameters[i].name.text}`" for i in sorted(component)]
+        scope.report(
+            "E209",
+            f"parameter `{first.name.text}` depends on itself",
+            first.name.position,
+            "its default needs its own value" if len(names) == 1 else f"{', '.join(names)} need each other",
+            "give one of them a value that does not need the others",
+        )
+        scope.broken_parameters.update(sheet.parameters[i].name.text for i in component)
+    return ordered
+
+
+def _in_range(
+    scope: Scope, quantity: Quantity, declaration: ParameterDeclaration, values: Mapping[str, Quantity]
+) -> bool:
+    """Whether every element lies in the declared range; diagnosed (E208) if not."""
+    if declaration.range is None or quantity.text is not None:
+        return True
+    limits = scope.value_of(declaration.range, values)
+    if limits is None:
+        return False
+    pair = np.ravel(np.asarray(limits.array, dtype=np.float64))
+    array = np.asarray(quantity.array, dtype=np.float64)
+    if pair.size == 2 and np.all((array >= pair[0]) & (array <= pair[1])):
+        return True
+    shown = f"{float(array):g}" if not array.ndim else "an array with elements outside"
+    cause = f"it is {shown}, and must lie in {pair[0]:g} to {pair[1]:g}" if pair.size == 2 else "its range is no pair"
+    scope.report(
+        "E208",
+        f"parameter `{declaration.name.text}` is out of its range",
+        declaration.range.position,
+        cause,
+        "give a value inside the range" if pair.size == 2 else "write range: [least, most]",
+    )
+    return False
 
 
 def _no_value(scope: Scope, sheet: Sheet, declaration: ParameterDeclaration, used: Position | None) -> None:

@@ -4,7 +4,8 @@
     doc: TEXT
     equations: TEXT                  # which equations of which paper
     profile: six | sao
-    parameters: {NAME: EXPR | inherited | [list] | {value:, inherited:, unit:, doc:, source:}}
+    parameters_of: SHEET     whose parameters this sheet has too, but for those that it declares itself
+    parameters: {NAME: EXPR | inherited | [list] | {value:, inherited:, unit:, range:, doc:, source:}}
     inputs:     {NAME: {shape:, unit:, type: real | boolean, doc:}}, or a list of names
     blocks:     {NAME: {SYMBOL: wires, key: value..., doc:}}, see reader_blocks.py
     outputs:    a list of wires, or {NAME: wire | {from:, unit:, doc:}}      # required
@@ -51,7 +52,7 @@ BUDGET_KINDS = (
     "select",
     "lookup",
 )
-_KEYS = ("sheet", "doc", "equations", "profile", "parameters", "inputs", "blocks", "outputs", "budget")
+_KEYS = ("sheet", "doc", "equations", "profile", "parameters_of", "parameters", "inputs", "blocks", "outputs", "budget")
 
 
 def read_sheet(path: str | os.PathLike[str]) -> Sheet:
@@ -152,6 +153,7 @@ def _sheet(values: ValueReader, root: Mapping) -> Sheet | None:
     parts = dict.fromkeys(_KEYS[:3], "")
     name: Named | None = None
     profile: Named | None = None
+    parameters_of: Named | None = None
     parameters: tuple[ParameterDeclaration, ...] = ()
     inputs: tuple[InputDeclaration, ...] = ()
     outputs: tuple[OutputDeclaration, ...] = ()
@@ -165,6 +167,8 @@ def _sheet(values: ValueReader, root: Mapping) -> Sheet | None:
                 parts[key.value] = values.word(node, f"`{key.value}`") or ""
             case "profile":
                 profile = values.choice(node, "profile", PROFILES)
+            case "parameters_of":
+                parameters_of = values.name(node, "a sheet")
             case "parameters":
                 parameters = read_parameters(values, node)
             case "inputs":
@@ -201,6 +205,7 @@ def _sheet(values: ValueReader, root: Mapping) -> Sheet | None:
         outputs,
         budget,
         values.source.lines,
+        parameters_of,
     )
 
 

@@ -8,7 +8,7 @@ from saoflow.diagrams.reader_values import ValueReader
 from saoflow.diagrams.sheet import InputDeclaration, Named, OutputDeclaration, ParameterDeclaration
 from saoflow.diagrams.yaml_text import Mapping, Node, Scalar, Sequence, short
 
-_PARAMETER_KEYS = ("value", "inherited", "unit", "doc", "source")
+_PARAMETER_KEYS = ("value", "inherited", "unit", "range", "doc", "source")
 _INPUT_KEYS = ("shape", "unit", "type", "doc")
 _OUTPUT_KEYS = ("from", "unit", "doc")
 
@@ -58,6 +58,7 @@ def _parameter(values: ValueReader, name: Named, node: Node) -> ParameterDeclara
     value: Expression | None = None
     inherited = False
     unit = None
+    limits: Expression | None = None
     texts = {"doc": "", "source": ""}
     what = f"the parameter `{short(name.text)}`"
     if type(node) is Mapping:
@@ -70,6 +71,8 @@ def _parameter(values: ValueReader, name: Named, node: Node) -> ParameterDeclara
                     inherited = word is not None and word.text == "true"
                 case "unit":
                     unit = values.unit(part)
+                case "range":
+                    limits = values.expression(part, f"the range of {what}")
                 case "doc" | "source":
                     texts[key.value] = values.word(part, f"`{key.value}`") or ""
                 case _:
@@ -84,7 +87,7 @@ def _parameter(values: ValueReader, name: Named, node: Node) -> ParameterDeclara
             )
     else:
         inherited, value = _default(values, node, what)
-    return ParameterDeclaration(name, value, inherited, unit, texts["doc"], texts["source"])
+    return ParameterDeclaration(name, value, inherited, unit, texts["doc"], texts["source"], limits)
 
 
 def _default(values: ValueReader, node: Node, what: str) -> tuple[bool, Expression | None]:

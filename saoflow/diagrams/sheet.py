@@ -50,6 +50,8 @@ class ParameterDeclaration:
     doc: str
     source: str
     """Where the number comes from, or why it is so (key ``source``)."""
+    range: Expression | None = None
+    """``[least, most]`` that every element must lie in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +138,8 @@ class Sheet:
     budget: BudgetDeclaration | None
     lines: tuple[str, ...]
     """The text, line by line, for messages."""
+    parameters_of: Named | None = None
+    """A sheet whose parameters this one has too; those declared here take the place of its own."""
 
     def __hash__(self) -> int:
         return id(self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -66,13 +67,31 @@ class SheetStore:
             return self._read(self.shipped[name])
         return None
 
+    def _with_parameters_of(self, sheet: Sheet) -> Sheet:
+        """The sheet with the parameters of another that it names, those that it declares itself in their place."""
+        named = sheet.parameters_of
+        if named is None:
+            return sheet
+        other = None if named.text == sheet.name.text else self.find(named.text, sheet)
+        if other is None or other.parameters_of is not None:
+            cause = f"there is no sheet of that name in the library or beside {sheet.file}"
+            remedy = did_you_mean(named.text, self.names_beside(sheet)) or "name a sheet that declares parameters"
+            if other is not None:
+                cause, remedy = "it takes its own parameters from another sheet", "name the sheet that declares them"
+            line = self.sources.line(named.position)
+            message = f"cannot take the parameters of `{named.text}`"
+            raise DiagnosisError([Diagnosis("E201", message, named.position, cause, remedy, source_line=line)])
+        own = {p.name.text: p for p in sheet.parameters}
+        taken = [own.pop(p.name.text, p) for p in other.parameters]
+        return replace(sheet, parameters=(*taken, *own.values()))
+
     def _read(self, path: Path) -> Sheet:
         key = path.resolve()
         if key not in self._sheets:
             try:
                 sheet = read_sheet(_shown(path))
                 self.sources.add(sheet.file, sheet.lines)
-                self._sheets[key] = sheet
+                self._sheets[key] = self._with_parameters_of(sheet)
             except DiagnosisError as error:
                 self._sheets[key] = error
         found = self._sheets[key]
