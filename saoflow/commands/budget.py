@@ -26,36 +26,62 @@ def budget(
     settings: Set = None,
     depth: Annotated[int, typer.Option("--depth", min=0, metavar="N", help="Levels of sub-sheets shown.")] = 3,
     target: Annotated[
-        str | None, typer.Option("--target", metavar="NAME", help="Cycles on a target (not yet).", show_default=False)
+        str | None,
+        typer.Option("--target", metavar="NAME", help="Cycles and time on a processor: mpc755, ...", show_default=False),
+    ] = None,
+    clock: Annotated[
+        float | None, typer.Option("--clock", metavar="MHZ", help="The target's clock.", show_default=False)
+    ] = None,
+    share: Annotated[
+        float | None,
+        typer.Option("--share", metavar="PART", help="Part of the frame allowed, 0 to 1.", show_default=False),
     ] = None,
     json: Json = False,
 ) -> None:
     """Operations of one frame by kind and by sub-sheet, against the sheet's budget. Exits 1 if it is over.
 
     Example: saoflow budget cmhe_fte --depth 2
+
+    Example: saoflow budget cmhe_fte --target mpc755 --clock 400 --share 0.1
     """
+    from saoflow.targets import find_target, frame_cost
+    from saoflow.targets.print_cost import print_cost
+
     findings = Findings()
-    if target is not None:
+    if target is None and (clock is not None or share is not None):
         findings.add(
             Diagnosis(
-                "E608",
-                f"there is no target `{target}`",
-                cause="this version knows no targets yet: it counts operations, not cycles",
-                remedy="leave out --target",
+                "E603",
+                "`--clock` and `--share` need a target",
+                cause="cycles are known for a target only",
+                remedy="add --target mpc755",
             )
         )
+    processor = None if target is None else findings.attempt(lambda: find_target(target))
     sheet = load_sheet(name, settings, findings)
     report = None if sheet is None else findings.attempt(sheet.budget)
     if report is None or findings.errors:
         finish(findings.found, json)
         raise typer.Exit(BAD_INPUT)
+    cost = None
+    if processor is not None and sheet is not None:
+        cost = findings.attempt(
+            lambda: frame_cost(sheet.frame_program, processor, clock_mhz=clock, period=report.period, share=share)
+        )
+        if cost is None:
+            finish(findings.found, json)
+            raise typer.Exit(BAD_INPUT)
+        findings.attempt(cost.raise_if_over)
     findings.attempt(report.raise_if_over)
     if json:
-        finish(findings.found, json, report.to_dict())
+        facts = report.to_dict()
+        finish(findings.found, json, facts if cost is None else {**facts, "target": cost.to_dict()})
         return
     from saoflow.printing import print_budget
 
     print_budget(report, console(), depth)
+    if cost is not None:
+        print_cost(cost, console())
     tell(findings.found)
-    if report.over:
+    if report.over or (cost is not None and cost.over):
         raise typer.Exit(exit_code(findings.found))

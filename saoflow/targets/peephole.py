@@ -1,0 +1,88 @@
+"""What every compiler makes of a few operations on the way: negations, doublings, calls from one place.
+
+``-1 * a`` is a change of sign, ``2 * a`` is ``a + a``, a negation that only sums read is folded into subtractions, and a
+procedure called from one place is laid out there. All are exact, so the bits stay.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from saoflow.operations import MINUS_ONE, Atom, Kind, Literal
+from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody
+
+TWO = Literal(2.0)
+
+
+def call_counts(bodies: Sequence[ProgramBody], procedures: int) -> list[int]:
+    """How often a frame runs each body: procedures first, then a body for each rate group, once each."""
+    times = [0] * procedures + [1] * (len(bodies) - procedures)
+    for i in range(len(bodies) - 1, -1, -1):
+        for operation in bodies[i].operations:
+            if operation.kind is Kind.CALL:
+                times[operation.detail] += times[i]
+    return times
+
+
+def inlined(program: FrameProgram) -> tuple[ProgramBody, ...]:
+    """The bodies of a program with procedures called from one place laid out there (and left, uncalled, in the list)."""
+    sites = Counter(o.detail for body in program.bodies for o in body.operations if o.kind is Kind.CALL)
+    bodies: list[ProgramBody] = []
+    for body in program.bodies:
+        bodies.append(_inline(body, bodies, sites))
+    return tuple(bodies)
+
+
+def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], sites: Counter[int]) -> ProgramBody:
+    if not any(o.kind is Kind.CALL and sites[o.detail] == 1 for o in body.operations):
+        return body
+    booleans = list(body.booleans)
+    operations: list[Operation] = []
+    names: dict[int, Atom] = {}
+
+    def renamed(atoms: Sequence[Atom], table: dict[int, Atom]) -> tuple[Atom, ...]:
+        return tuple(a if isinstance(a, Literal) else table.get(a, a) for a in atoms)
+
+    for o in body.operations:
+        operands = renamed(o.operands, names)
+        if o.kind is not Kind.CALL or sites[o.detail] != 1:
+            operations.append(Operation(o.kind, o.results, operands, o.detail, o.origin))
+            continue
+        inner = procedures[o.detail]
+        table: dict[int, Atom] = dict(zip(inner.parameters, operands, strict=True))
+        for i in inner.operations:
+            fresh = tuple(range(len(booleans), len(booleans) + len(i.results)))
+            booleans += [inner.booleans[r] for r in i.results]
+            inner_operands = renamed(i.operands, table)
+            table.update(zip(i.results, fresh, strict=True))
+            operations.append(Operation(i.kind, fresh, inner_operands, i.detail, o.origin))
+        names.update(zip(o.results, renamed(inner.results, table), strict=True))
+    results = renamed(body.results, names)
+    return ProgramBody(body.name, body.parameters, tuple(operations), results, tuple(booleans), body.origins)
+
+
+def folded_negations(body: ProgramBody) -> frozenset[int]:
+    """Results of ``-1 * a`` that only sums and differences of two reals read: each is folded into its readers."""
+    readers: dict[int, list[Kind]] = {}
+    for o in body.operations:
+        for a in o.operands:
+            if isinstance(a, int):
+                readers.setdefault(a, []).append(o.kind)
+    kept = set(body.results)
+    sums = (Kind.ADD, Kind.SUBTRACT)
+    return frozenset(
+        o.results[0]
+        for o in body.operations
+        if is_negation(o) and o.results[0] not in kept and all(k in sums for k in readers.get(o.results[0], ()))
+    )
+
+
+def is_negation(operation: Operation) -> bool:
+    """Whether an operation is ``-1 * a``."""
+    return operation.kind is Kind.MULTIPLY and MINUS_ONE in operation.operands
+
+
+def is_doubling(operation: Operation) -> bool:
+    """Whether an operation is ``2 * a``."""
+    return operation.kind is Kind.MULTIPLY and TWO in operation.operands

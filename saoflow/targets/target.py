@@ -1,0 +1,164 @@
+"""Targets: the processors whose cycles are estimated, from the data file ``targets.toml``."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
+from saoflow.targets.instructions import MEMORY_KINDS, REAL_KINDS, Machine
+
+DATA = Path(__file__).with_name("targets.toml")
+"""Every number of the cost model, each with its source beside it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """One kind of instruction on one target, in cycles."""
+
+    latency: int
+    """From issue until the result can be read."""
+    interval: int
+    """Until the unit takes the next instruction."""
+    unit: str
+    source: str
+    alone: bool = False
+    """Whether nothing else issues in the same cycle."""
+    folded: bool = False
+    """Whether it takes no issue slot (a branch that goes to its own unit)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """Machine instructions that stand for one operation where compilers branch: measured means (see the data file)."""
+
+    minimum: float
+    compare: float
+    logic: float
+    select: float
+    lookup: float
+    """Of a look-up without its search, one dimension."""
+    lookup_2d: float
+    lookup_step: float
+    """Of each step of the search."""
+    call: float
+    """Of a call beside its arguments and results: link, stack, addresses."""
+    spill: float
+    """Moves to and from memory that a compiler makes, to those of the model's allocation."""
+
+
+@dataclass(frozen=True, slots=True)
+class InstructionSet:
+    """What a compiler has to work with, and what it was seen to make of it."""
+
+    name: str
+    registers: int
+    """Floating-point registers that values can be in."""
+    preserved: int
+    """Of these, how many survive a call."""
+    arguments: int
+    """How many reals a call passes in registers."""
+    literal: int
+    """Integer instructions that form the address of a constant, before its load."""
+    shares: Mapping[str, Shares]
+    """By form: ``memory`` and ``registers``."""
+    source: str
+    calibrated: str
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A processor: instruction timings by width of reals, and the clock assumed where none is given."""
+
+    name: str
+    title: str
+    clock_mhz: float
+    clock_source: str
+    issue_width: int
+    issue_source: str
+    units: Mapping[str, int]
+    instruction_set: InstructionSet
+    timings: Mapping[tuple[Machine, int], Timing]
+    notes: tuple[str, ...]
+
+    def timing(self, kind: Machine, real: int) -> Timing:
+        """Latency and interval of a kind of instruction, for reals of ``real`` bits."""
+        return self.timings[kind, real]
+
+
+@lru_cache(maxsize=1)
+def targets() -> Mapping[str, Target]:
+    """All targets by name, in the order of the data file."""
+    with DATA.open("rb") as file:
+        data = tomllib.load(file)
+    sets = {name: _instruction_set(name, entry) for name, entry in data["instruction_sets"].items()}
+    return {name: _target(name, entry, sets) for name, entry in data["targets"].items()}
+
+
+def find_target(name: str) -> Target:
+    """The target of a name. Raises DiagnosisError E608."""
+    known = targets()
+    if name in known:
+        return known[name]
+    raise DiagnosisError(
+        [
+            Diagnosis(
+                "E608",
+                f"there is no target `{name}`",
+                cause=f"the targets are: {', '.join(known)}",
+                remedy=did_you_mean(name, list(known)) or f"write --target {next(iter(known))}",
+            )
+        ]
+    )
+
+
+def _instruction_set(name: str, entry: Mapping[str, Any]) -> InstructionSet:
+    shares = {form: Shares(**entry["shares"][form]) for form in ("memory", "registers")}
+    return InstructionSet(
+        name,
+        entry["registers"],
+        entry["preserved"],
+        entry["arguments"],
+        entry["literal"],
+        shares,
+        entry["source"],
+        entry["calibrated"],
+    )
+
+
+def _target(name: str, entry: Mapping[str, Any], sets: Mapping[str, InstructionSet]) -> Target:
+    units = {"real": 1, "memory": 1, "integer": 1, "branch": 1, **entry.get("units", {})}
+    timings = {
+        (kind, real): _timing(entry["timings"][kind.value], kind, "double" if real == 64 else "single")
+        for kind in Machine
+        for real in (64, 32)
+    }
+    return Target(
+        name,
+        entry["title"],
+        float(entry["clock_mhz"]),
+        entry["clock_source"],
+        entry["issue_width"],
+        entry["issue_source"],
+        units,
+        sets[entry["instruction_set"]],
+        timings,
+        tuple(entry.get("notes", ())),
+    )
+
+
+def _timing(entry: Mapping[str, Any], kind: Machine, width: str) -> Timing:
+    numbers = entry.get(width, entry)
+    unit = "real" if kind in REAL_KINDS else "memory" if kind in MEMORY_KINDS else "integer"
+    return Timing(
+        numbers["latency"],
+        numbers["interval"],
+        "branch" if kind is Machine.BRANCH else unit,
+        numbers.get("source", entry.get("source", "")),
+        bool(numbers.get("alone", entry.get("alone", False))),
+        bool(entry.get("folded", False)),
+    )
