@@ -85,6 +85,8 @@ def _call(name: str, function: Command, arguments: list[str]) -> int:
         return leave.exit_code
     except typer.Abort:
         return 130
+    except SystemExit:  # no command of ours exits so: the parser met a closed pipe
+        raise BrokenPipeError from None
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise

@@ -27,7 +27,9 @@ def budget(
     depth: Annotated[int, typer.Option("--depth", min=0, metavar="N", help="Levels of sub-sheets shown.")] = 3,
     target: Annotated[
         str | None,
-        typer.Option("--target", metavar="NAME", help="Cycles and time on a processor: mpc755, ...", show_default=False),
+        typer.Option(
+            "--target", metavar="NAME", help="Cycles and time on a processor: mpc755, ...", show_default=False
+        ),
     ] = None,
     clock: Annotated[
         float | None, typer.Option("--clock", metavar="MHZ", help="The target's clock.", show_default=False)

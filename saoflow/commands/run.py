@@ -9,12 +9,12 @@ import typer
 
 from saoflow.commands.shell import (
     BAD_INPUT,
-    FAILED,
     Findings,
     Json,
     Set,
     SheetName,
     console,
+    exit_code,
     finish,
     load_sheet,
     one_of,
@@ -63,13 +63,13 @@ def run(
     findings = Findings()
     probes = list(dict.fromkeys(probe or ()))
     place = findings.attempt(lambda: check_output(output, recording))
+    known = backend in BACKENDS and real in (64, 32)
     if backend not in BACKENDS:
         findings.add(one_of("--backend", backend, BACKENDS))
     if real not in (64, 32):
         findings.add(one_of("--real", str(real), ("64", "32")))
-    usable = not findings.errors or place is None
     sheet = load_sheet(name, settings, findings)
-    simulator = _simulator(sheet, backend, real, probes, exact, findings, json) if sheet and usable else None
+    simulator = _simulator(sheet, backend, real, probes, exact, findings, json) if sheet and known else None
     ports = None if sheet is None else sheet.input_types
     frames = None if ports is None else findings.attempt(lambda: read_frames(recording, ports))
     if simulator is None or frames is None or place is None or findings.errors:
@@ -99,7 +99,7 @@ def _simulator(
 
         print_budget(budget, console(stderr=True))
         tell(findings.found)
-        raise typer.Exit(FAILED)
+        raise typer.Exit(exit_code(findings.found))
     simulator = findings.attempt(lambda: sheet.simulator(backend, real=real, probes=probes, exact=exact))
     if simulator is not None:
         for twin in {port.name for port in simulator.program.outputs} & set(probes):

@@ -79,13 +79,14 @@ def load_sheet(name: str, settings: Sequence[str] | None, findings: Findings) ->
     """Load a sheet with ``--set`` parameters and check it as far as its schedule; None after a diagnosis."""
     from saoflow.pipeline import load
 
-    given = parse_settings(settings or (), findings)
-    sheet = findings.attempt(lambda: load(name))
-    if sheet is None or findings.errors:
-        return None
-    sheet.given = given
-    findings.attempt(sheet.check)
-    return None if findings.errors else sheet
+    own = Findings()
+    given = parse_settings(settings or (), own)
+    sheet = own.attempt(lambda: load(name))
+    if sheet is not None and not own.errors:
+        sheet.given = given
+        own.attempt(sheet.check)
+    findings.extend(own.found)
+    return None if own.errors else sheet
 
 
 def parse_settings(settings: Sequence[str], findings: Findings) -> dict[str, Quantity]:
