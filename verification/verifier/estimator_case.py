@@ -142,14 +142,20 @@ def linearised(scales: Scales, samples: int) -> Iterator[Quantity]:
 
 
 def factorization(path: str, number: int, samples: int, scales: Scales, repeat: str, after: int) -> Iterator[Quantity]:
-    """Algorithm 2 inside one pass, at ``path``: ``stage`` for all samples but the last, ``last`` for that one."""
-    part = "Step 3: Algorithm 2"
+    """Algorithm 2 inside pass ``number``, at ``path``, sample by sample: ``stages`` and, for the newest, ``last``."""
+    for i in range(samples):
+        inside = f"{path}stages[{i}].measured." if i < samples - 1 else f"{path}last."
+        yield from one_sample(inside, number, i, scales, f"{repeat}sample {i + 1}", after)
+
+
+def one_sample(path: str, number: int, i: int, scales: Scales, repeat: str, after: int) -> Iterator[Quantity]:
+    """Lines 4 and 5 of Algorithm 2 for sample i, i from 0."""
     x, y = scales.x, scales.y_bar
+    part = "Step 3: Algorithm 2"
 
     def one(name: str, wire: str, sigma: Array, get: Callable[[Factors], Array]) -> Quantity:
-        inside = tuple(f"{path}stages[{i}].measured.{wire}" for i in range(samples - 1))
-        compared = Compared(name, (*inside, f"{path}last.{wire}"), sigma, part=part, after=after, repeat=repeat)
-        return Quantity(compared, lambda s: get(s.passes[number]))
+        compared = Compared(name, path + wire, sigma, part=part, after=after, repeat=repeat)
+        return Quantity(compared, lambda s: get(s.passes[number])[i])
 
     yield one("C_bar", "C_bar", y[:, None] / x, lambda f: f.C_bar)
     yield one("Pi", "Pi", y[:, None] * x, lambda f: f.Pi)
@@ -182,7 +188,7 @@ def one_pass(scales: Scales, j: int, samples: int) -> Iterator[Quantity]:
     yield stacked("r_p (46c)", "transitions[{}].r_p", samples - 1, x, lambda f: f.r_p)
     yield stacked("Q_bar (46f)", "transitions[{}].Q_bar", samples - 1, u**2, lambda f: f.Q_bar)
     yield stacked("r_u (46d)", "transitions[{}].r_u_bar", samples - 1, u, lambda f: f.r_u)
-    yield from factorization(path, j, samples, scales, repeat, j)
+    yield from factorization(path, j, samples, scales, f"{repeat}, ", j)
     yield one("direction of x", "direction_x", x, lambda i: i.direction_x)
     yield one("direction of u", "direction_u", u, lambda i: i.direction_u)
     yield one("v", "search.v", 1.0, lambda i: i.v)

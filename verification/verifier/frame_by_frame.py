@@ -10,7 +10,7 @@ import numpy as np
 from saoflow import Diagnosis, DiagnosisError, LoadedSheet, Simulator
 from verification.verifier.case import Array, Compared, Expected, ReferenceCase, Scenario
 from verification.verifier.comparison import Worst, relative_difference
-from verification.verifier.report import Check, OtherChoice
+from verification.verifier.report import Check, OtherChoice, Place
 
 Progress = Callable[[int], None]
 """Called with a number of frames that have been done since the last call."""
@@ -88,7 +88,8 @@ def _choices(
         sheet, right_k = float(got[choice.wire][k]), float(expected[k].choices[choice.name])
         # Written so that a margin of NaN excuses nothing.
         excused = bool(margin <= choice.margin)
-        others.append(OtherChoice(choice.name, scenario.name, int(k), sheet, right_k, margin, excused))
+        place = Place(scenario.name, int(k), scenario.first_frame + int(k), (), sheet, right_k)
+        others.append(OtherChoice(choice.name, place, margin, excused))
     return alike, others
 
 
@@ -136,6 +137,7 @@ def _choice_checks(case: ReferenceCase, others: list[OtherChoice], frames: int) 
     unexcused = [other for other in others if not other.excused]
     share = max(choice.share for choice in case.choices)
     margin = max(choice.margin for choice in case.choices)
+    worst = (unexcused or others)[:1]
     passed = not unexcused and len(others) <= max(1.0, share * frames)
     return [
         Check(
@@ -147,7 +149,7 @@ def _choice_checks(case: ReferenceCase, others: list[OtherChoice], frames: int) 
             ratio=float("inf") if unexcused else len(others) / max(1.0, share * frames),
             tolerance=f"margin {margin:g}, {share:g} of the frames",
             frames=frames,
-            where=None,
+            where=worst[0].where if worst else None,
             passed=passed,
         )
     ]

@@ -85,8 +85,9 @@ def _choice_table(report: Report) -> Table:
     table = _table("frames with another choice", (*columns, ("margin", "right"), ("", "left")))
     for other in report.other_choices[:MOST_LISTED]:
         verdict = "[green]by rounding[/]" if other.excused else "[bold red]FAILS[/]"
-        frame, margin = str(other.frame), f"{other.margin:.2g}"
-        table.add_row(other.choice, other.scenario, frame, f"{other.sheet:g}", f"{other.reference:g}", margin, verdict)
+        where, margin = other.where, f"{other.margin:.2g}"
+        values = f"{where.sheet:g}", f"{where.reference:g}"
+        table.add_row(other.choice, where.scenario, str(where.frame), *values, margin, verdict)
     if (more := len(report.other_choices) - MOST_LISTED) > 0:
         table.add_row(f"... and {more} more", "", "", "", "", "", "")
     return table

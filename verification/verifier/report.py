@@ -59,10 +59,7 @@ class OtherChoice:
     """A frame in which rounding let a choice fall otherwise."""
 
     choice: str
-    scenario: str
-    frame: int
-    sheet: float
-    reference: float
+    where: Place
     margin: float
     excused: bool
 

@@ -88,7 +88,7 @@ def test_a_choice_that_rounding_decides_is_listed_and_what_depends_on_it_left_ou
     near = lag_reference.case_with(expect=partial(expect, margin=5e-13), closed_loop=None)
     report = verify(LAG, near, frames=1000)
     assert report.passed, report.summary
-    assert [(other.frame, other.excused) for other in report.other_choices] == [(0, True)] * 2
+    assert [(other.where.frame, other.excused) for other in report.other_choices] == [(0, True)] * 2
     assert check(report, "y").frames == 1998
     far = lag_reference.case_with(expect=partial(expect, margin=2e-12), closed_loop=None)
     assert not verify(LAG, far, frames=1000).passed
