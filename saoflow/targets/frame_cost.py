@@ -141,7 +141,9 @@ def frame_cost(
     ]
     if share is not None and period is None:
         cause = "the sheet's budget states no period"
-        found.append(Diagnosis("E603", "`--share` needs a frame period", cause=cause, remedy="add `period:` to `budget:`"))
+        found.append(
+            Diagnosis("E603", "`--share` needs a frame period", cause=cause, remedy="add `period:` to `budget:`")
+        )
     if found:
         raise DiagnosisError(found)
     isa = target.instruction_set

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 
 from saoflow.operations import Kind, Table
+from saoflow.scheduler.program import Operation
 from saoflow.targets.instructions import Machine, Stream
 from saoflow.targets.peephole import is_doubling, is_negation
 from saoflow.targets.target import Shares
-from saoflow.scheduler.program import Operation
 
 SIMPLE = {
     Kind.ADD: Machine.ADD,

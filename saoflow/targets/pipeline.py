@@ -27,8 +27,10 @@ def cycles(instructions: Sequence[Instruction], target: Target, real: int) -> in
         k = pool.index(min(pool))
         start = max(now, pool[k], max((ready.get(r, 0) for r in instruction.reads), default=0))
         slots = 0 if timing.folded else 1
-        if start == now and slots and (
-            issued + slots > target.issue_width or alone_at == now or (timing.alone and issued)
+        if (
+            start == now
+            and slots
+            and (issued + slots > target.issue_width or alone_at == now or (timing.alone and issued))
         ):
             start += 1
         if start > now:

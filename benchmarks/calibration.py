@@ -1,0 +1,157 @@
+"""The cost model's instructions against those of GCC's code, counted under qemu: ``python benchmarks/calibration.py``.
+
+For the flagship and 20 random sheets (seeds 0 to 19): instructions a frame, predicted and counted, for both forms
+(memory against -O0, registers against -O2; -O1 for comparison) and every instruction set whose tools are installed.
+``--fit`` prints the measured shares of ``saoflow/targets/targets.toml`` from 50 other random sheets (seeds 100 to 149):
+least squares of the relative errors; neither the flagship nor the 20 sheets take part. ``--markdown`` prints tables.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from instruction_count import TOOLCHAINS, Toolchain, count_instructions
+from random_sheets import random_sheet
+
+import saoflow
+from saoflow.scheduler.program import FrameProgram
+from saoflow.targets import InstructionSet, Shares, Target, frame_cost, targets
+
+TOLERANCE = 0.10
+CHECKED, FITTED = range(20), range(100, 150)
+LEVELS = {"memory": "-O0", "registers": "-O2"}
+FRAMES = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A sheet: its program, and the frames that it is run on."""
+
+    name: str
+    program: FrameProgram
+    rows: np.ndarray
+    """(frames, elements of all inputs)"""
+
+
+def random_samples(seeds: range, folder: Path) -> Iterator[Sample]:
+    """Random sheets with normally distributed inputs."""
+    for seed in seeds:
+        program = random_sheet(seed, folder).frame_program
+        size = sum(port.type.size for port in program.inputs)
+        yield Sample(f"random {seed}", program, np.random.default_rng(seed).normal(size=(FRAMES, size)))
+
+
+def flagship(name: str = "cmhe_fte") -> Sample:
+    """The flagship on the first frames of a shipped recording, with sensor noise."""
+    from verification.flights import load_recording, sensors
+
+    program = saoflow.load(name).frame_program
+    inputs = sensors(load_recording("a320_wind_350kt_5000ft"), seed=1).inputs()
+    rows = np.hstack([np.reshape(inputs[port.name], (len(inputs[port.name]), -1)) for port in program.inputs])
+    return Sample(name, program, rows[:FRAMES])
+
+
+def predicted(program: FrameProgram, isa: InstructionSet) -> Mapping[str, int]:
+    """Instructions a frame by form."""
+    target = dataclasses.replace(next(iter(targets().values())), instruction_set=isa)
+    return {form.form: form.instructions for form in frame_cost(program, target).forms}
+
+
+def check(samples: list[Sample], isa: InstructionSet, tools: Toolchain, folder: Path, markdown: bool) -> int:
+    """Print predicted and counted instructions of every sheet; how many of the two forms miss the tolerance."""
+    head = ["sheet", "memory", "-O0", "miss", "registers", "-O2", "miss", "-O1", "miss"]
+    print(_row(head, markdown))
+    if markdown:
+        print("|" + "---|" * len(head))
+    misses: list[str] = []
+    errors: dict[str, list[float]] = {"-O0": [], "-O2": [], "-O1": []}
+    for sample in samples:
+        found = predicted(sample.program, isa)
+        cells = [sample.name]
+        for form, level in (("memory", "-O0"), ("registers", "-O2"), ("registers", "-O1")):
+            counted = count_instructions(sample.program, sample.rows, tools, level, folder).instructions
+            miss = found[form] / counted - 1
+            errors[level].append(miss)
+            if abs(miss) > TOLERANCE and level in LEVELS.values():
+                misses.append(f"{sample.name} {level} {100 * miss:+.1f} %")
+            cells += ([] if level == "-O1" else [f"{found[form]}"]) + [f"{counted:.0f}", f"{100 * miss:+.1f} %"]
+        print(_row(cells, markdown), flush=True)
+    print()
+    for level, e in errors.items():
+        print(f"{level}: mean {100 * np.mean(e):+.1f} %, mean size {100 * np.mean(np.abs(e)):.1f} %, "
+              f"largest {100 * max(e, key=abs):+.1f} %")  # fmt: skip
+    print(f"beyond {100 * TOLERANCE:.0f} %: {', '.join(misses) or 'none'}\n")
+    return len(misses)
+
+
+def _row(cells: list[str], markdown: bool) -> str:
+    if markdown:
+        return "| " + " | ".join(cells) + " |"
+    return f"{cells[0]:<12}" + "".join(f"{c:>11}" for c in cells[1:])
+
+
+def fit(samples: list[Sample], isa: InstructionSet, tools: Toolchain, folder: Path) -> None:
+    """Print the shares that make predictions fit best, with how often each was seen."""
+    for form, level in LEVELS.items():
+        counted = np.array([count_instructions(s.program, s.rows, tools, level, folder).instructions for s in samples])
+        print(f"{form} = {_toml(fitted(samples, isa, form, counted))}", flush=True)
+
+
+def fitted(samples: list[Sample], isa: InstructionSet, form: str, counted: np.ndarray) -> Shares:
+    """Shares by least squares of relative errors; the model is linear in them."""
+    names = [f.name for f in dataclasses.fields(Shares)]
+    start = isa.shares[form]
+
+    def with_shares(shares: Shares) -> np.ndarray:
+        changed = dataclasses.replace(isa, shares={**isa.shares, form: shares})
+        return np.array([predicted(s.program, changed)[form] for s in samples], dtype=float)
+
+    base = with_shares(start)
+    slopes = [with_shares(dataclasses.replace(start, **{n: getattr(start, n) + 2.0})) - base for n in names]
+    matrix = np.stack(slopes, axis=1) / 2.0
+    steps, *_ = np.linalg.lstsq(matrix / counted[:, None], (counted - base) / counted, rcond=None)
+    return Shares(**{n: round(getattr(start, n) + float(d), 2) for n, d in zip(names, steps, strict=True)})
+
+
+def _toml(shares: Shares) -> str:
+    return "{" + ", ".join(f"{f.name} = {getattr(shares, f.name)}" for f in dataclasses.fields(Shares)) + "}"
+
+
+def main() -> int:
+    """Calibrate what the installed tools allow; exit 1 if a prediction misses the tolerance."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fit", action="store_true", help="print the measured shares instead")
+    parser.add_argument("--markdown", action="store_true", help="print tables for docs/cost_model.md")
+    parser.add_argument("--set", action="append", choices=list(TOOLCHAINS), help="only this instruction set")
+    options = parser.parse_args()
+    sets: dict[str, Target] = {}
+    for target in targets().values():
+        sets.setdefault(target.instruction_set.name, target)
+    missed = 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        samples = (
+            list(random_samples(FITTED, folder)) if options.fit else [flagship(), *random_samples(CHECKED, folder)]
+        )
+        for key in options.set or TOOLCHAINS:
+            tools = TOOLCHAINS[key]
+            isa = sets[key].instruction_set
+            print(f"{key}: {tools.missing or isa.calibrated}")
+            if tools.missing:
+                continue
+            if options.fit:
+                fit(samples, isa, tools, folder)
+            else:
+                missed += check(samples, isa, tools, folder, options.markdown)
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
