@@ -15,7 +15,7 @@ import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
 from saoflow.recording_csv import read_columns
-from saoflow.recording_output import Output, check_output, write_table
+from saoflow.recording_output import Output, check_output, csv_text, write_table
 from saoflow.recording_table import Table, extension
 from saoflow.wires import WireType
 
@@ -25,6 +25,7 @@ __all__ = [
     "Table",
     "check_output",
     "column_names",
+    "csv_text",
     "output_columns",
     "read_frames",
     "read_table",

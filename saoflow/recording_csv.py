@@ -31,7 +31,7 @@ def read_columns(path: str, choose: Chooser, flags: frozenset[str] = frozenset()
         raise unreadable(
             path,
             "the kind of file is not known by its extension",
-            f"recordings end in {', '.join(EXTENSIONS)}",
+            f"recordings end in {', '.join(EXTENSIONS[:-1])} or {EXTENSIONS[-1]}",
         )
     try:
         size = os.stat(path).st_size

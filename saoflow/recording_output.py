@@ -41,7 +41,7 @@ def check_output(path: str | Path, recording: str | Path | None = None) -> Outpu
         raise _refusal(
             shown,
             "the kind of file is not known by its extension",
-            f"choose a name that ends in {', '.join(EXTENSIONS)}",
+            f"choose a name that ends in {', '.join(EXTENSIONS[:-1])} or {EXTENSIONS[-1]}",
         )
     remedy = "name a file in a folder that exists and that you may write to"
     try:
@@ -117,6 +117,13 @@ def _write_text(columns: Mapping[str, np.ndarray], file: BinaryIO | gzip.GzipFil
     for start in range(0, rows, ROWS):
         cells = [_cells(column[start : start + ROWS], formatter) for column in columns.values()]
         file.write(("\n".join(map(",".join, zip(*cells, strict=True))) + "\n").encode())
+
+
+def csv_text(columns: Mapping[str, np.ndarray], formatter: Formatter = float.__repr__) -> str:
+    """Columns as the text that :func:`write_table` writes into a CSV file."""
+    buffer = io.BytesIO()
+    _write_text(columns, buffer, formatter)
+    return buffer.getvalue().decode()
 
 
 def _cells(column: np.ndarray, formatter: Formatter) -> list[str]:

@@ -228,6 +228,10 @@ x.csv:3:1: error[E501]: the recording cannot be read
         ("t;s\n0;1\n", {"s": SCALAR}, SEMICOLONS),
         ('s\n1\n"1\n', {"s": SCALAR}, QUOTE),
     ],
+    ids=[
+        "missing", "text", "lengths", "flags", "twice", "no rows", "blank", "empty", "blank only", "no header",
+        "semicolons", "quote",
+    ],
 )  # fmt: skip
 def test_exact_messages(here: Path, text: str, ports: dict[str, WireType], message: str) -> None:
     Path("x.csv").write_text(text, newline="")
@@ -254,11 +258,12 @@ def test_mistakes_of_every_kind_are_told_in_one_go_and_in_bounds(here: Path) -> 
         ("x.csv", b"\xff\xfes\x00", "holds a null character"),
         ("x.csv", b"s\n\xe9\n", "line 2 holds the byte 0xe9, which is not UTF-8 text"),
         ("x.csv.gz", b"no gzip", "it is not a whole gzip file"),
-        ("x.csv.gz", gzip.compress(b"s\n1\n" * 1000)[:30], "it is not a whole gzip file"),
+        ("x.csv.gz", gzip.compress(b"s\n1\n" * 1000, mtime=0)[:30], "it is not a whole gzip file"),
         ("x.parquet", b"no parquet at all", "it is not a Parquet file"),
         ("x.txt", b"s\n1\n", "the kind of file is not known by its extension"),
         ("x.csv", b's\n"' + b"x" * 200_000 + b'"\n', "a cell is enormous"),
     ],
+    ids=["null", "latin", "no gzip", "cut gzip", "no parquet", "extension", "enormous"],
 )
 def test_what_cannot_be_read_is_refused(here: Path, name: str, content: bytes, words: str) -> None:
     Path(name).write_bytes(content)

@@ -6,24 +6,25 @@ Parquet (with pyarrow, extra ``saoflow[parquet]``) if it ends in ``.parquet``.
 
 from __future__ import annotations
 
-import csv
-import gzip
-import io
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from saoflow import DiagnosisError
+from saoflow import recording as recording_files
+from saoflow.recording import csv_text
 from verification.flights.errors import FlightError, did_you_mean
 
 Array = NDArray[np.float64]
 
 FRAME_PERIOD = 0.048
 """Frame period [s]: 370 samples take 17.76 s in paper 004, section VI."""
+
+NINE_DIGITS = "{:.9g}".format
+"""How numbers are written: more digits than any sensor has, in half the space."""
 
 SENSOR_INPUTS = ("alpha", "vc")
 INERTIAL_INPUTS = ("vg", "vz", "theta", "q", "ax", "az", "z")
@@ -115,141 +116,41 @@ class Recording:
 
 def to_csv(recording: Recording) -> str:
     """The recording as CSV text, numbers with 9 significant digits."""
-    table = np.stack(recording.columns, axis=1)
-    lines = [",".join(recording.names)]
-    lines.extend(",".join(f"{value:.9g}" for value in row) for row in table.tolist())
-    return "\n".join(lines) + "\n"
+    return csv_text(_columns(recording), NINE_DIGITS)
 
 
 def check_output(path: str | Path) -> None:
     """Raises E724 if :func:`write_recording` could not write ``path``: before the work, not after it."""
-    path = Path(path)
-    if not path.name.lower().endswith((".csv", ".csv.gz", ".parquet")):
-        raise FlightError(
-            "E724",
-            f"{path}: the kind of file is not known by its extension",
-            cause="recordings are written as .csv, .csv.gz or .parquet",
-            remedy="choose one of these extensions",
-        )
-    cause = ""
-    if path.is_dir():
-        cause = "it is a folder"
-    elif not path.parent.is_dir():
-        cause = f"there is no folder '{path.parent}'"
-    elif not os.access(path.parent, os.W_OK):
-        cause = f"the folder '{path.parent}' may not be written to"
-    if cause:
-        raise FlightError(
-            "E724",
-            f"{path}: cannot be written",
-            cause=cause,
-            remedy="name a file in a folder that exists and that you may write to",
-        )
-    if path.name.lower().endswith(".parquet"):
-        _pyarrow(path)
+    try:
+        recording_files.check_output(path)
+    except DiagnosisError as error:
+        raise _flight_error("E724", error) from None
 
 
 def write_recording(recording: Recording, path: str | Path) -> None:
     """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises E724."""
-    check_output(path)
-    path = Path(path)
-    name = path.name.lower()
-    if name.endswith(".parquet"):
-        payload = _to_parquet(recording, path)
-    elif name.endswith(".csv.gz"):
-        # No time stamp and no file name inside: the same recording gives the same bytes.
-        payload = gzip.compress(to_csv(recording).encode("ascii"), compresslevel=9, mtime=0)
-    else:
-        payload = to_csv(recording).encode("ascii")
-    _replace(path, payload)
-
-
-def _pyarrow(path: Path) -> Any:
     try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise FlightError(
-            "E724",
-            f"{path}: Parquet needs pyarrow",
-            cause="pyarrow is not installed",
-            remedy="pip install 'saoflow[parquet]', or write .csv",
-        ) from None
-    return pyarrow
-
-
-def _to_parquet(recording: Recording, path: Path) -> bytes:
-    pyarrow = _pyarrow(path)
-    table = pyarrow.table(dict(zip(recording.names, recording.columns, strict=True)))
-    buffer = io.BytesIO()
-    pyarrow.parquet.write_table(table, buffer)
-    return buffer.getvalue()
-
-
-def _replace(path: Path, payload: bytes) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        temporary.write_bytes(payload)
-        os.replace(temporary, path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise FlightError(
-            "E724",
-            f"{path}: cannot be written",
-            cause=error.strerror or str(error),
-            remedy="choose a path in a folder that exists and that you may write to",
-        ) from None
+        recording_files.write_table(path, _columns(recording), NINE_DIGITS)
+    except DiagnosisError as error:
+        raise _flight_error("E724", error) from None
 
 
 def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
-    """Reads ``.csv`` or ``.csv.gz`` as written by :func:`write_recording`. Raises E723 with line and
-    column.
-    """
-    path = Path(path)
+    """Reads ``.csv``, ``.csv.gz`` or ``.parquet``. Raises E723 with line and column."""
     try:
-        raw = path.read_bytes()
-        text = (gzip.decompress(raw) if path.name.endswith(".gz") else raw).decode("utf-8")
-    except (OSError, EOFError, UnicodeDecodeError) as error:
-        raise FlightError(
-            "E723",
-            f"{path}: cannot be read",
-            cause=str(error),
-            remedy="name a CSV file, plain or .gz",
-        ) from None
-    rows = list(csv.reader(io.StringIO(text)))
-    if len(rows) < 2:
-        raise FlightError(
-            "E723",
-            f"{path}: no frames in it",
-            cause="a recording is a header line and one line for each frame",
-            remedy="record it again",
-        )
-    names = tuple(name.strip() for name in rows[0])
-    table = np.empty((len(rows) - 1, len(names)))
-    for line, row in enumerate(rows[1:], start=2):
-        if len(row) != len(names):
-            raise FlightError(
-                "E723",
-                f"{path}:{line}: {len(row)} values for {len(names)} columns",
-                cause="every line has one value for each name of the header",
-                remedy="mend or drop the line",
-            )
-        try:
-            table[line - 2] = row  # numpy reads the numbers; text like 'nan' and 'inf' is a number here
-        except ValueError:
-            bad = next(i for i, value in enumerate(row) if not _is_number(value))
-            raise FlightError(
-                "E723",
-                f"{path}:{line}: column '{names[bad]}': '{row[bad]}' is not a number",
-                cause="every value of a recording is a number",
-                remedy="mend the value; a missing one is 'nan'",
-            ) from None
-    return Recording(names, tuple(table.T), period)
+        table = recording_files.read_table(path)
+    except DiagnosisError as error:
+        raise _flight_error("E723", error) from None
+    return Recording(table.names, table.columns, period)
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _columns(recording: Recording) -> dict[str, Array]:
+    return dict(zip(recording.names, recording.columns, strict=True))
+
+
+def _flight_error(code: str, error: DiagnosisError) -> FlightError:
+    """The first of saoflow's diagnoses, and how many more there are."""
+    first, *rest = error.diagnoses
+    place = f"{first.position}: " if first.position else ""
+    more = f" (and {len(rest)} more)" if rest else ""
+    return FlightError(code, f"{place}{first.message}{more}", cause=first.cause, remedy=first.remedy)

@@ -72,11 +72,11 @@ def test_part():
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "no frames in it"),
-        (b"t,vg\n", "no frames in it"),
-        (b"t,vg\n0,1\n1\n", ":3: 1 values for 2 columns"),
-        (b"t,vg\n0,1\n1,fast\n", ":3: column 'vg': 'fast' is not a number"),
-        (b"t,t\n0,1\n", "every name once"),
+        (b"", "the recording is empty"),
+        (b"t,vg\n", "the recording has no rows"),
+        (b"t,vg\n0,1\n1\n", ":3:1: row 2 has 1 cell, the header 2"),
+        (b"t,vg\n0,1\n1,fast\n", ":3:3: `fast` in row 2 of column `vg` is not a number"),
+        (b"t,t\n0,1\n", "column `t` is there 2 times"),
         (b"\xff\xfe\x00", "cannot be read"),
     ],
 )
