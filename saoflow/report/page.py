@@ -107,7 +107,7 @@ def _drawn(report: Report, progress: Callable[[float], None]) -> list[tuple[Show
     drawn: list[tuple[Shown, str]] = []
     for i, one in enumerate(shown):
         with style(one.name):
-            drawn.append((one, svg(draw(one.plot, report.time), one.name)))
+            drawn.append((one, svg(draw(one.plot, report.time), one.name, one.heading)))
         progress((i + 1) / (len(shown) + 1))
     progress(1.0)
     return drawn
@@ -117,7 +117,7 @@ def _budget_svg(report: Report) -> str:
     if report.budget is None:
         return ""
     with style("budget"):
-        return svg(draw_budget(report.budget), "budget")
+        return svg(draw_budget(report.budget), "budget", "The budget of a frame")
 
 
 def _kinds(report: Report) -> TextTable | None:

@@ -78,8 +78,13 @@ def style(salt: str = "saoflow") -> Iterator[None]:
         yield
 
 
-def svg(figure: Figure, name: str) -> str:
-    """The figure as an ``<svg>`` element: text stays text, colours are ``var(--role)``."""
+def svg(figure: Figure, name: str, label: str) -> str:
+    """The figure as an ``<svg>`` element: text stays text, colours are ``var(--role)``.
+
+    ``name`` begins its identifiers; ``label`` is what a screen reader says.
+    """
+    from html import escape
+
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     FigureCanvasSVG(figure)
@@ -92,7 +97,9 @@ def svg(figure: Figure, name: str) -> str:
     # The page's font, and no size but that of the page's width.
     text = re.sub(r"font: ([\d.]+px) [^;\"]*", r"font-size: \1", text)
     text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
-    text = re.sub(r'(<svg [^>]*?)width="[^"]*"', r'\1width="100%" role="img"', text, count=1)
+    text = re.sub(
+        r'(<svg [^>]*?)width="[^"]*"', rf'\1width="100%" role="img" aria-label="{escape(label)}"', text, count=1
+    )
     for role, colour in LIGHT.items():
         text = text.replace(colour, f"var(--{role})")
     return text

@@ -114,6 +114,7 @@ def test_plots_say_what_was_found(page: str, result: DemoResult) -> None:
 
 def test_colours_follow_the_page(page: str) -> None:
     for drawing in re.findall(r"<svg.*?</svg>", page, re.DOTALL):
+        assert re.match(r'<svg [^>]*aria-label="[A-Z]', drawing)
         assert not set(LIGHT.values()) & set(re.findall(r"#[0-9a-f]{6}", drawing))
         used = set(re.findall(r"var\(--(\w+)\)", drawing))
         assert used and used <= set(LIGHT)
@@ -175,6 +176,11 @@ def test_a_report_that_cannot_be_written_is_diagnosed(result: DemoResult, tmp_pa
     with pytest.raises(saoflow.DiagnosisError) as caught:
         write_report(tmp_path / "no" / "folder.html", report)
     assert caught.value.diagnoses[0].code == "E601"
+
+
+def test_the_same_report_is_the_same_page(result: DemoResult) -> None:
+    report = report_of_run(result.cmhe.sheet, {}, result.cmhe.outputs)
+    assert render_report(report) == render_report(report)
 
 
 def test_text_is_escaped(result: DemoResult) -> None:
