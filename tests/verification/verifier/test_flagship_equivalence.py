@@ -56,10 +56,10 @@ def test_references_are_found_by_the_name_of_the_sheet():
 
 
 ALIASES = {"n_horizon": "N", "n_qp": "n_QP"}
-CMHE_ONLY = {
-    "vg_min", "vg_max", "wx_max", "wz_max", "kappa_init", "kappa_factor", "n_kappa", "n_qp", "n_s_max", "clip_margin",
-    "distance_floor",
-}  # fmt: skip
+CMHE_ONLY = (
+    *("vg_min", "vg_max", "wx_max", "wz_max", "kappa_init", "kappa_factor", "n_kappa", "n_qp", "n_s_max"),
+    *("clip_margin", "distance_floor"),
+)
 
 
 @pytest.mark.parametrize("sheet", ["cmhe_fte", "umhe_fte"])
@@ -68,12 +68,11 @@ def test_every_number_of_the_tuning_is_the_sheets_too(sheet):
     from saoflow.diagrams.expression_value import evaluate
 
     declared = {p.name.text: p for p in load(sheet).sheet.parameters}
+    other = "umhe_" if sheet == "cmhe_fte" else CMHE_ONLY
     for field in fields(Tuning):
         name = ALIASES.get(field.name, field.name)
-        if (field.name.startswith("umhe_") and sheet == "cmhe_fte") or (
-            field.name in CMHE_ONLY and sheet == "umhe_fte"
-        ):
-            assert name not in declared
+        if name not in declared:
+            assert field.name.startswith(other), f"{sheet} has no parameter {name}"
         else:
             assert float(evaluate(declared[name].value, {}).array) == getattr(Tuning(), field.name), name
 
