@@ -29,6 +29,7 @@ from verification.verifier.estimator_case import (
 )
 from verification.verifier.estimator_wires import StateWires, state_wires
 from verification.verifier.factors import Factors, constrained_factors, unconstrained_factors
+from verification.verifier.lean_case import lean_passes, lean_window, pass_path
 from verification.verifier.scenarios import flight_scenarios
 
 TABLES_ALPHA = 1e-3
@@ -119,6 +120,23 @@ def cmhe_case(tuning: Tuning) -> ReferenceCase:
     return _case("cmhe_fte", cmhe_reference.METHOD, tuning, wires, list(quantities()), constrained_factors, searches)
 
 
+def lean_case(tuning: Tuning) -> ReferenceCase:
+    """The verification of cmhe_fte_lean with a tuning: the same reference, outputs and memory as cmhe_fte."""
+    count = tuning.n_kappa * tuning.n_qp
+    scales, wires = Scales.of(tuning), state_wires(tuning)
+
+    def quantities() -> Iterator[Quantity]:
+        yield from before_step_3(scales)
+        yield from lean_window(scales, tuning)
+        yield from lean_passes(scales, tuning, count)
+        yield from after_step_3(scales, count)
+        yield from memory(wires, scales, count)
+
+    searches = [f"{pass_path(j, count)}search.s" for j in range(count)]
+    method = cmhe_reference.METHOD
+    return _case("cmhe_fte_lean", method, tuning, wires, list(quantities()), constrained_factors, searches)
+
+
 def umhe_case(tuning: Tuning) -> ReferenceCase:
     """The verification of umhe_fte with a tuning."""
     scales, wires = Scales.of(tuning), state_wires(tuning)
@@ -134,4 +152,5 @@ def umhe_case(tuning: Tuning) -> ReferenceCase:
 
 
 cmhe_fte = cmhe_case(Tuning())
+cmhe_fte_lean = lean_case(Tuning())
 umhe_fte = umhe_case(Tuning())

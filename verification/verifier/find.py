@@ -16,6 +16,7 @@ GROUP = "saoflow.references"
 
 SHIPPED = {
     "cmhe_fte": "verification.verifier.cases:cmhe_fte",
+    "cmhe_fte_lean": "verification.verifier.cases:cmhe_fte_lean",
     "umhe_fte": "verification.verifier.cases:umhe_fte",
 }
 """References that come with saoflow: found even where its entry points are not installed."""
