@@ -44,9 +44,7 @@ def window_information(qp: QuadraticProgram, tuning: Tuning) -> WindowInformatio
     scale = np.array([1.0 / qp.A[0, 0, 0], 1.0, 1.0, 1.0])
     information[0] *= scale[:, None] * scale
     vector[0] *= scale
-    return WindowInformation(
-        information[:, ALPHA_W[:, None], ALPHA_W], information[:, 1, 1], vector, SIGNS * qp.f
-    )
+    return WindowInformation(information[:, ALPHA_W[:, None], ALPHA_W], information[:, 1, 1], vector, SIGNS * qp.f)
 
 
 def lean_window(scales: Scales, tuning: Tuning) -> Iterator[Quantity]:
