@@ -10,6 +10,7 @@ import typer
 from typer.testing import CliRunner
 
 from verification.commands.verify import verify
+from verification.verifier.find import SHIPPED
 
 HERE = Path(__file__).parent
 LAG = str(HERE / "lag.yaml")
@@ -51,9 +52,9 @@ def test_a_failed_check_exits_1(run, tmp_path):
 
 
 MESSAGES = {
-    (): """\
+    (): f"""\
 error[E604]: there is no reference for the sheet `lag`
-    = cause: the sheets with a reference are: cmhe_fte, umhe_fte
+    = cause: the sheets with a reference are: {", ".join(sorted(SHIPPED))}
     = remedy: name yours with --reference module:name, or in the entry-point group saoflow.references
 """,
     ("--reference", "lag_reference"): """\
