@@ -8,11 +8,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from saoflow.scheduler.counts import CountTree
+
 if TYPE_CHECKING:
     from rich.console import Console
 
     from saoflow.scheduler.budget import BudgetReport
-    from saoflow.scheduler.counts import CountTree
 
 BAR = 20
 """Characters of a full bar."""
@@ -27,17 +28,26 @@ class CostLine:
     instances: int
     operations: int
     """Of all instances together."""
+    together: bool = False
+    """Several small parts in one line."""
 
 
-def print_budget(report: BudgetReport, console: Console, depth: int = 3) -> None:
-    """By kind against the limits, by sub-sheet, look-ups with their inner costs, and what else a frame needs."""
+SMALL = 0.005
+"""Parts below this share of the whole are told together, if there are several of them side by side in a sheet."""
+
+
+def print_budget(report: BudgetReport, console: Console, depth: int = 3, everything: bool = False) -> None:
+    """By kind against the limits, by sub-sheet, look-ups with their inner costs, and what else a frame needs.
+
+    ``everything``: small parts one by one, too.
+    """
     with console.capture() as captured:
-        _budget(report, console, depth)
+        _budget(report, console, depth, 0 if everything else SMALL * report.total)
     # Tables are padded to their full width; that is of no use in a file.
     console.file.write("".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()))
 
 
-def _budget(report: BudgetReport, console: Console, depth: int) -> None:
+def _budget(report: BudgetReport, console: Console, depth: int, least: float) -> None:
     from rich.table import Table
     from rich.text import Text
 
@@ -56,7 +66,7 @@ def _budget(report: BudgetReport, console: Console, depth: int) -> None:
         kinds.add_row(*(Text(cell, style) for cell in (line.kind, _number(line.used), allowed, bar, over)))
     console.print(kinds)
     if report.tree.parts and depth:
-        console.print(_tree_table(report, depth))
+        console.print(_tree_table(report, depth, least))
     if report.tables:
         console.print(_lookup_table(report))
     console.print(
@@ -67,7 +77,7 @@ def _budget(report: BudgetReport, console: Console, depth: int) -> None:
     )
 
 
-def _tree_table(report: BudgetReport, depth: int) -> object:
+def _tree_table(report: BudgetReport, depth: int, least: float) -> object:
     from rich.table import Table
     from rich.text import Text
 
@@ -77,8 +87,12 @@ def _tree_table(report: BudgetReport, depth: int) -> object:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     table.add_column("", no_wrap=True)
-    for line in cost_lines(report.tree, depth):
-        each = "" if line.instances == 1 else f"{line.instances} x {_number(line.operations // line.instances)}"
+    for line in cost_lines(report.tree, depth, least):
+        each = (
+            ""
+            if line.instances == 1 or line.together
+            else f"{line.instances} x {_number(line.operations // line.instances)}"
+        )
         share = line.operations / max(1, report.total)
         cells = ("  " * line.level + line.name, _number(line.operations), f"{100 * share:.1f} %", _bar(share), each)
         table.add_row(*map(Text, cells))
@@ -99,17 +113,28 @@ def _lookup_table(report: BudgetReport) -> object:
     return table
 
 
-def cost_lines(tree: CountTree, depth: int) -> Iterator[CostLine]:
-    """The sub-sheets of a count tree down to a depth; instances that cost the same are one line ``stages[0..2]``."""
+def cost_lines(tree: CountTree, depth: int, least: float = 0) -> Iterator[CostLine]:
+    """The sub-sheets of a count tree down to a depth.
+
+    Instances that cost the same are one line ``stages[0..2]``; parts with fewer operations than ``least`` are one line.
+    """
     stack: list[tuple[int, CostLine, CountTree]] = [(0, CostLine(0, tree.name, 1, tree.total), tree)]
     while stack:
         level, line, here = stack.pop()
         yield line
         if level >= depth:
             continue
-        for name, count, part in reversed(list(_runs([p for p in here.parts.values() if p.total]))):
-            total = part.total * count
-            stack.append((level + 1, CostLine(level + 1, name, line.instances * count, line.instances * total), part))
+        below: list[tuple[CostLine, CountTree]] = []
+        for name, count, part in _runs([p for p in here.parts.values() if p.total]):
+            instances = line.instances * count
+            below.append((CostLine(level + 1, name, instances, instances * part.total), part))
+        small = [entry for entry in below if entry[0].operations < least]
+        if len(small) > 2:
+            below = [entry for entry in below if entry[0].operations >= least]
+            operations = sum(cost.operations for cost, _ in small)
+            rest = CostLine(level + 1, f"{len(small)} small parts", 1, operations, together=True)
+            below.append((rest, CountTree(rest.name)))
+        stack += [(level + 1, *entry) for entry in reversed(below)]
 
 
 INSTANCE = re.compile(r"(.*)\[(\d+)\]")

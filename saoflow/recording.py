@@ -82,11 +82,13 @@ def read_frames(path: str | Path, ports: Mapping[str, WireType]) -> Frames:
         spare = [name for name in found if name not in wanted]
         problems = []
         for name, port in columns.items():
-            for column in port:
-                if column not in there:
-                    shape = ports[name].shape
-                    cause = f"input `{name}` is {_shown(shape)}{f': columns {_few(port)}' if shape else ''}"
-                    problems.append(_no_column(where, column, cause, found, spare))
+            shape = ports[name].shape
+            cause = f"input `{name}` is {_shown(shape)}{f': columns {_few(port)}' if shape else ''}"
+            absent = [column for column in port if column not in there]
+            if len(absent) == len(port) > 1:
+                problems.append(_no_column(where, absent[0], cause, found, spare, absent))
+            else:
+                problems += [_no_column(where, column, cause, found, spare) for column in absent]
         return problems or [*needed, *([TIME] if TIME in there and TIME not in wanted else [])]
 
     flags = {column for name, wire in ports.items() if wire.boolean for column in columns[name]}
@@ -148,24 +150,37 @@ def _shared(columns: Mapping[str, Sequence[str]]) -> list[Diagnosis]:
     return found
 
 
-def _no_column(path: str, column: str, cause: str, found: Sequence[str], spare: Sequence[str]) -> Diagnosis:
+def _no_column(
+    path: str,
+    column: str,
+    cause: str,
+    found: Sequence[str],
+    spare: Sequence[str],
+    absent: Sequence[str] = (),
+) -> Diagnosis:
+    """A column that is missing, or (``absent``) all those of a port."""
     header = ",".join(found)
-    near = did_you_mean(column, spare)
-    remedy = near or f"add the column; the recording has: {_few(found)}"
+    # A column of an element is like one with the same number only: alpha_1 like alpha1, not like alpha_2.
+    alike = [name for name in spare if _digits(name) == _digits(column)]
+    near = did_you_mean(column, alike)
+    remedy = near or f"add {'them' if absent else 'it'}; the recording has: {_few(found)}"
     text = extension(path) != ".parquet"
     if text and len(found) == 1 and any(mark in header for mark in ";\t|"):
         cause, remedy = "the names in the first line are not separated by commas", "save the file as CSV with commas"
     elif text and found and all(_numeric(name) for name in found):
         cause = "the first line holds numbers, not the names of the columns"
         remedy = "put a header line first: the names, separated by commas"
-    return Diagnosis(
-        "E502",
-        f"there is no column `{column}`",
-        Position(path, 1, 1, max(1, len(header))),
-        cause,
-        remedy,
-        source_line=header if text else None,
-    )
+    names = ", ".join(f"`{name}`" for name in absent[:8]) + (", ..." if len(absent) > 8 else "")
+    message = f"there are no columns {names}" if absent else f"there is no column `{column}`"
+    place = next((i for i, name in enumerate(found) if near == f"did you mean `{name}`?"), None)
+    start = 1 if place is None else len(",".join([*found[:place], ""])) + 1
+    length = 1 if place is None else len(found[place])
+    shown = header if text and place is not None else None
+    return Diagnosis("E502", message, Position(path, 1, start, length), cause, remedy, source_line=shown)
+
+
+def _digits(name: str) -> str:
+    return "".join(filter(str.isdigit, name))
 
 
 def _numeric(text: str) -> bool:

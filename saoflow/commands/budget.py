@@ -38,6 +38,7 @@ def budget(
         float | None,
         typer.Option("--share", metavar="PART", help="Part of the frame allowed, 0 to 1.", show_default=False),
     ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Show small parts one by one, too.")] = False,
     json: Json = False,
 ) -> None:
     """Operations of one frame by kind and by sub-sheet, against the sheet's budget. Exits 1 if it is over.
@@ -81,7 +82,7 @@ def budget(
         return
     from saoflow.printing import print_budget
 
-    print_budget(report, console(), depth)
+    print_budget(report, console(), depth, everything)
     if cost is not None:
         print_cost(cost, console())
     tell(findings.found)
