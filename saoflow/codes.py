@@ -72,5 +72,6 @@ CODES: dict[str, str] = {
     "E607": "the backend is not available",
     "E608": "no such target",
     "E609": "the command line cannot be understood",
+    "W607": "another backend, or another cache, than asked for",
     "E699": "an error inside saoflow",
 }

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from saoflow.collector import collector_paused
-from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
+from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
 from saoflow.diagrams.elaborate import elaborate
 from saoflow.diagrams.expression_parser import parse_expression
 from saoflow.diagrams.expression_value import Quantity, evaluate
@@ -100,24 +100,28 @@ class LoadedSheet:
     def simulator(
         self, backend: str = "interpreter", *, real: int = 64, probes: Collection[str] = (), exact: bool = False
     ) -> Simulator:
-        """Frames of this sheet. ``exact`` puts the functions of tables in their place.
+        """Frames of this sheet. ``exact`` puts the functions of tables in their place (``interpreter`` only).
 
-        Raises DiagnosisError E401 for a sheet over its budget, E303 for an unknown probe, E603, E607.
+        Backend ``c`` gives the bits of ``interpreter``; without a C compiler it warns and is the interpreter. Raises DiagnosisError E401 for a sheet over its budget, E303 for an unknown probe, E603, E607.
         """
+        if real not in (32, 64):
+            raise DiagnosisError(
+                [Diagnosis("E603", f"real cannot be {real}", cause="reals have 64 or 32 bits", remedy="use real=64")]
+            )
+        if backend == "c":
+            from saoflow.codegen.backend import native_simulator
+
+            return native_simulator(self, real, probes, exact)
         if backend != "interpreter":
             raise DiagnosisError(
                 [
                     Diagnosis(
                         "E607",
                         f"there is no backend `{backend}`",
-                        cause="this version runs frames in the interpreter",
-                        remedy="use backend `interpreter`",
+                        cause="frames run in the interpreter, or in compiled C",
+                        remedy=did_you_mean(backend, ("interpreter", "c")) or "use backend `interpreter` or `c`",
                     )
                 ]
-            )
-        if real not in (32, 64):
-            raise DiagnosisError(
-                [Diagnosis("E603", f"real cannot be {real}", cause="reals have 64 or 32 bits", remedy="use real=64")]
             )
         self.budget().raise_if_over()
         return Simulator(self.program(real, probes), exact)

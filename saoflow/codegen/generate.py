@@ -6,15 +6,16 @@ operation becomes one statement on ``const`` locals, so that a compiler without 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from saoflow.codegen.dialect import Dialect, Lanes, Scalar
+from saoflow.codegen.interface import Interface, StateField
 from saoflow.codegen.names import Names
-from saoflow.codegen.tables_c import table_items
+from saoflow.codegen.runner import RESERVED, runner, strictness
+from saoflow.codegen.tables_c import lane_lookup, table_items
 from saoflow.codegen.tree import (
     Assign,
-    Binary,
     Call,
-    Conditional,
     Declare,
     DeclareArray,
     Define,
@@ -27,9 +28,7 @@ from saoflow.codegen.tree import (
     Include,
     Integer,
     Item,
-    Not,
     Parameter,
-    Real,
     Return,
     Statement,
     Struct,
@@ -40,44 +39,6 @@ from saoflow.codegen.tree import (
 from saoflow.operations import Atom, Kind, Literal
 from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody, ProgramPort
 from saoflow.wires import WireType, shape_text, unit_suffix
-
-_BINARY = {
-    Kind.ADD: "+",
-    Kind.SUBTRACT: "-",
-    Kind.MULTIPLY: "*",
-    Kind.LESS: "<",
-    Kind.LESS_EQUAL: "<=",
-    Kind.AND: "&&",
-    Kind.OR: "||",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class StateField:
-    """A field of the state struct: the slots of one delay, from the first on."""
-
-    name: str
-    path: str
-    first: int
-    size: int
-    boolean: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Interface:
-    """The C names that a caller needs."""
-
-    prefix: str
-    real_type: str
-    input_struct: str
-    output_struct: str
-    state_struct: str
-    init: str
-    step: str
-    inputs: tuple[str, ...]
-    """Field names, in the order of the ports."""
-    outputs: tuple[str, ...]
-    states: tuple[StateField, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,15 +61,25 @@ class About:
 
 def generate(program: FrameProgram, about: About) -> Code:
     """The header and the source of a program."""
-    return _Generator(program, about).code()
+    return _Generator(program, about, Scalar(program.real)).code()
+
+
+def native_file(program: FrameProgram, lanes: int = 0) -> File:
+    """One file for this machine: a frame, and the loop over frames (:mod:`saoflow.codegen.runner`).
+
+    ``lanes``: so many flights side by side in every value; 0: one flight, with the very statements of the code that flies.
+    """
+    dialect = Lanes(program.real, lanes) if lanes else Scalar(program.real)
+    return _Generator(program, About("", "", ()), dialect).native()
 
 
 class _Generator:
-    def __init__(self, program: FrameProgram, about: About) -> None:
+    def __init__(self, program: FrameProgram, about: About, dialect: Dialect) -> None:
         self.program = program
         self.about = about
-        self.real = "double" if program.real == 64 else "float"
-        self.names = Names()
+        self.dialect = dialect
+        self.real = dialect.real
+        self.names = Names(RESERVED)
         prefix = self.names.make(program.sheet, "sheet", 20)
         fields = Names()
         outputs = Names()
@@ -139,13 +110,27 @@ class _Generator:
         face = self.interface
         comment = "\n".join([self.about.doc, *self.about.lines, f"Sheets: sha256 {self.about.sheet_hash}."])
         header = File(f"{face.prefix}.h", comment, self._header_items(), f"{face.prefix.upper()}_H")
-        items: list[Item] = [Include(header.name)]
+        items: list[Item] = [Include(header.name), *self._frame(), self._init(), self._step()]
+        return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)
+
+    def native(self) -> File:
+        """The frame and its runner in one file, nothing of it visible but the runner."""
+        face, lanes = self.interface, self.dialect if isinstance(self.dialect, Lanes) else None
+        structs = [item for item in self._header_items() if isinstance(item, Struct)]
+        frame = [*self._frame(), replace(self._step(), static=True)]
+        items = [*strictness(), *(lanes.items() if lanes else ()), *structs, *frame, runner(self.program, face, lanes)]
+        return File(f"{face.prefix}.c", "", tuple(items))
+
+    def _frame(self) -> list[Item]:
+        """The tables and the procedures."""
+        items: list[Item] = []
         for name, table in zip(self.tables, self.program.tables, strict=True):
-            items += table_items(name, table, self.real, self.program.real)
+            items += table_items(name, table, self.program.real)
+            if isinstance(self.dialect, Lanes):
+                items.append(lane_lookup(name, table, self.program.real, self.dialect.count))
         for i, body in enumerate(self.program.procedures):
             items.append(self._procedure(i, body))
-        items += [self._init(), self._step()]
-        return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)
+        return items
 
     # -- the header
 
@@ -173,7 +158,7 @@ class _Generator:
         )
 
     def _type(self, boolean: bool) -> str:
-        return "_Bool" if boolean else self.real
+        return self.dialect.boolean if boolean else self.real
 
     def _state_parameter(self) -> Parameter:
         return Parameter(f"{self.interface.state_struct} *", "state")
@@ -193,7 +178,9 @@ class _Generator:
         for f in self.interface.states:
             for k in range(f.size):
                 value = self.program.states[f.first + k].initial
-                body.append(Assign(Element(Field("state", f.name), Integer(k, True)), self._literal(Literal(value))))
+                body.append(
+                    Assign(Element(Field("state", f.name), Integer(k, True)), self.dialect.literal(Literal(value)))
+                )
         if not body:
             body.append(Assign(Field("state", "empty"), Integer(0, True)))
         return Function("void", self.interface.init, (self._state_parameter(),), tuple(body), False)
@@ -216,7 +203,7 @@ class _Generator:
             if counts[0]:
                 parameters += (Parameter(f"{self.real} *", "r"),)
             if counts[1]:
-                parameters += (Parameter("_Bool *", "q"),)
+                parameters += (Parameter(f"{self.dialect.boolean} *", "q"),)
             result = "void"
         comment = f"Sheet {body.name}: {len(body.operations)} operations."
         return Function(result, self.procedures[number], parameters, tuple(statements), True, comment)
@@ -258,12 +245,10 @@ class _Generator:
             else:
                 (result,) = op.results
                 kind = f"const {self._type(body.booleans[result])}"
-                statements.append(Declare(kind, f"v{result}", self._value(op), trace))
+                statements.append(Declare(kind, f"v{result}", self._value(body, op), trace))
         return statements
 
-    def _call(
-        self, body: ProgramBody, op: Operation, number: int, trace: Trace, read: set[Atom]
-    ) -> list[Statement]:
+    def _call(self, body: ProgramBody, op: Operation, number: int, trace: Trace, read: set[Atom]) -> list[Statement]:
         arguments = tuple(self._atom(a) for a in op.operands)
         name = self.procedures[op.detail]
         if len(op.results) == 1:
@@ -287,33 +272,17 @@ class _Generator:
                 arguments += (array,)
         return [*statements, Do(Call(name, arguments), trace), *results]
 
-    def _value(self, op: Operation) -> Expression:
+    def _value(self, body: ProgramBody, op: Operation) -> Expression:
         operands = [self._atom(a) for a in op.operands]
-        if op.kind in _BINARY:
-            return Binary(_BINARY[op.kind], operands[0], operands[1])
-        match op.kind:
-            case Kind.RECIPROCAL:
-                return Binary("/", Real(1.0, self.program.real), operands[0])
-            case Kind.MINIMUM:
-                return Conditional(Binary("<", operands[0], operands[1]), operands[0], operands[1])
-            case Kind.MAXIMUM:
-                return Conditional(Binary(">", operands[0], operands[1]), operands[0], operands[1])
-            case Kind.NOT:
-                return Not(operands[0])
-            case Kind.SELECT:
-                return Conditional(operands[0], operands[1], operands[2])
-            case Kind.READ:
-                return self.slots[op.detail]
-            case _:
-                return Call(self.tables[op.detail], tuple(operands))
+        if op.kind is Kind.READ:
+            return self.slots[op.detail]
+        if op.kind is Kind.LOOKUP:
+            name = self.tables[op.detail]
+            return Call(f"{name}_lanes" if isinstance(self.dialect, Lanes) else name, tuple(operands))
+        return self.dialect.operation(op.kind, operands, bool(op.results) and body.booleans[op.results[0]])
 
     def _atom(self, atom: Atom) -> Expression:
-        return self._literal(atom) if isinstance(atom, Literal) else Variable(f"v{atom}")
-
-    def _literal(self, literal: Literal) -> Expression:
-        if isinstance(literal.value, bool):
-            return Integer(int(literal.value))
-        return Real(literal.value, self.program.real)
+        return self.dialect.literal(atom) if isinstance(atom, Literal) else Variable(f"v{atom}")
 
     @staticmethod
     def _is_boolean(body: ProgramBody, atom: Atom) -> bool:

@@ -11,11 +11,14 @@ from saoflow.codegen.tree import (
     Assign,
     Binary,
     Call,
+    Cast,
+    Compound,
     Conditional,
     ConstantArray,
     Declare,
     DeclareArray,
     Define,
+    Directive,
     Do,
     Element,
     Expression,
@@ -25,6 +28,7 @@ from saoflow.codegen.tree import (
     Include,
     Integer,
     Item,
+    Member,
     Not,
     Real,
     Repeat,
@@ -32,6 +36,7 @@ from saoflow.codegen.tree import (
     Statement,
     Struct,
     Trace,
+    TypeAlias,
     Variable,
     When,
 )
@@ -46,9 +51,9 @@ class Printed:
     traces: tuple[tuple[int, Trace], ...]
 
 
-def print_file(file: File) -> Printed:
-    """The text of a C file."""
-    out = _Lines()
+def print_file(file: File, traced: bool = True) -> Printed:
+    """The text of a C file. ``traced``: with the sheet's line beside each statement."""
+    out = _Lines(traced)
     out.comment(file.comment)
     if file.guard:
         out.line(f"#ifndef {file.guard}")
@@ -62,12 +67,13 @@ def print_file(file: File) -> Printed:
 
 
 class _Lines:
-    def __init__(self) -> None:
+    def __init__(self, traced: bool = True) -> None:
+        self.traced = traced
         self.lines: list[str] = []
         self.traces: list[tuple[int, Trace]] = []
 
     def line(self, text: str, trace: Trace | None = None) -> None:
-        if trace is not None:
+        if trace is not None and self.traced:
             text = f"{text}  /* {safe(trace.path)}, {safe(trace.file)}:{trace.line} */"
             self.traces.append((len(self.lines) + 1, trace))
         self.lines.append(text)
@@ -91,11 +97,16 @@ def safe(text: str) -> str:
 
 
 def _item(item: Item, out: _Lines) -> None:
-    if not isinstance(item, Define | Include):
+    if not isinstance(item, Define | Include | Directive):
         out.line("")
     match item:
         case Include():
-            out.line(f'#include "{item.file}"')
+            out.line(f"#include {item.file}" if item.file.startswith("<") else f'#include "{item.file}"')
+        case TypeAlias():
+            attribute = f" __attribute__(({item.attribute}))" if item.attribute else ""
+            out.line(f"typedef {item.type} {item.name}{attribute};")
+        case Directive():
+            out.line(f"#{item.text}")
         case Define():
             comment = f"  /* {safe(item.comment)} */" if item.comment else ""
             out.line(f"#define {item.name} {item.value}{comment}")
@@ -155,7 +166,10 @@ def _statement(statement: Statement, out: _Lines, level: int) -> None:
             out.line(f"{pad}return {expression(statement.value)};")
         case Repeat():
             n = statement.name
-            out.line(f"{pad}for (unsigned int {n} = 0u; {n} < {statement.count}u; ++{n}) {{")
+            if isinstance(statement.count, int):
+                out.line(f"{pad}for ({statement.type} {n} = 0u; {n} < {statement.count}u; ++{n}) {{")
+            else:
+                out.line(f"{pad}for ({statement.type} {n} = 0; {n} < {expression(statement.count)}; ++{n}) {{")
             for inner in statement.body:
                 _statement(inner, out, level + 1)
             out.line(f"{pad}}}")
@@ -189,11 +203,17 @@ def expression(node: Expression) -> str:
             return f"{node.pointer}->{node.name}"
         case AddressOf():
             return f"&{_operand(node.operand)}"
+        case Member():
+            return f"{_operand(node.base)}.{node.name}"
+        case Compound():
+            return f"({node.type}){{{', '.join(expression(v) for v in node.values)}}}"
+        case Cast():
+            return f"({node.type}){_operand(node.operand)}"
 
 
 def _operand(node: Expression) -> str:
     text = expression(node)
-    simple = isinstance(node, Variable | Integer | Call | Element | Field) or (
+    simple = isinstance(node, Variable | Integer | Call | Element | Field | Member) or (
         isinstance(node, Real) and not text.startswith("-")
     )
     return text if simple else f"({text})"
@@ -208,7 +228,7 @@ def real(value: float, bits: int) -> str:
             return f"({zero} / {zero})"
         return f"({'-' if value < 0 else ''}1.0{suffix} / {zero})"
     short = f"{value:.6g}"
-    if "e" not in short and Fraction(short) == Fraction(value) and abs(value) < 1e6:
+    if "e" not in short and float(short) == value and abs(value) < 1e6 and Fraction(short) == Fraction(value):
         return (short if "." in short else f"{short}.0") + suffix
     mantissa, _, exponent = value.hex().partition("p")
     sign, digits = ("-", mantissa[1:]) if mantissa.startswith("-") else ("", mantissa)

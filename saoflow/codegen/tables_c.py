@@ -9,6 +9,7 @@ import numpy as np
 from saoflow.codegen.tree import (
     Assign,
     Binary,
+    Call,
     Conditional,
     ConstantArray,
     Declare,
@@ -19,6 +20,7 @@ from saoflow.codegen.tree import (
     Item,
     Parameter,
     Real,
+    Repeat,
     Return,
     Statement,
     Variable,
@@ -27,8 +29,9 @@ from saoflow.operations import Table
 from saoflow.table_evaluation import PreparedTable, prepare
 
 
-def table_items(name: str, table: Table, real_type: str, bits: int) -> tuple[Item, ...]:
+def table_items(name: str, table: Table, bits: int) -> tuple[Item, ...]:
     """The arrays of a table and its function ``name``, with the bits of ``table_evaluation.py``."""
+    real_type = "double" if bits == 64 else "float"
     prepared = prepare(table, np.float64 if bits == 64 else np.float32)
     what = f"Table {table.name}: {' by '.join(str(x.size) for x in prepared.breakpoints)} points"
     build = _one_axis if len(prepared.breakpoints) == 1 else _two_axes
@@ -130,3 +133,12 @@ def _two_axes(name: str, table: PreparedTable, real_type: str, bits: int, what: 
     parameters = (Parameter(const, "u"), Parameter(const, "v"))
     items.append(Function(real_type, name, parameters, tuple(body), True))
     return tuple(items)
+
+
+def lane_lookup(name: str, table: Table, bits: int, lanes: int) -> Function:
+    """``name_lanes``: the table for every lane."""
+    given = [Variable(c) for c in "uv"[: len(table.breakpoints)]]
+    lane, out = Variable("l"), Variable("out")
+    look = Assign(Element(out, lane), Call(name, tuple(Element(u, lane) for u in given)))
+    body = (Declare("reals", "out", None), Repeat("l", lanes, (look,)), Return(out))
+    return Function("reals", f"{name}_lanes", tuple(Parameter("const reals", u.name) for u in given), body, True)

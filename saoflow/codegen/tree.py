@@ -86,7 +86,45 @@ class AddressOf:
     operand: Expression
 
 
-Expression = Variable | Real | Integer | Binary | Not | Conditional | Call | Element | Field | AddressOf
+@dataclass(frozen=True, slots=True)
+class Member:
+    """``base.name``: a field of a struct that is at hand."""
+
+    base: Expression
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cast:
+    """``(type)operand``."""
+
+    type: str
+    operand: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Compound:
+    """``(type){value, ...}``."""
+
+    type: str
+    values: tuple[Expression, ...]
+
+
+Expression = (
+    Variable
+    | Real
+    | Integer
+    | Binary
+    | Not
+    | Conditional
+    | Call
+    | Element
+    | Field
+    | AddressOf
+    | Member
+    | Cast
+    | Compound
+)
 
 # -- statements
 
@@ -139,11 +177,12 @@ class Do:
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """``for (name = 0; name < count; ++name) body``: the count is a constant."""
+    """``for (type name = 0; name < count; ++name) body``. In code that flies the count is a constant."""
 
     name: str
-    count: int
+    count: int | Expression
     body: tuple[Statement, ...]
+    type: str = "unsigned int"
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,7 +270,23 @@ class Include:
     file: str
 
 
-Item = Function | Struct | ConstantArray | Define | Include
+@dataclass(frozen=True, slots=True)
+class Directive:
+    """A line for the preprocessor: ``#text``."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class TypeAlias:
+    """``typedef type name;``, with an attribute of gcc and clang if one is named."""
+
+    name: str
+    type: str
+    attribute: str = ""
+
+
+Item = Function | Struct | ConstantArray | Define | Include | Directive | TypeAlias
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,7 +48,7 @@ class Simulator:
         if self._state is None:
             return State(np.array([float(slot.initial) for slot in self.program.states]), self._frame)
         if self._flights is None:
-            return State(np.array([float(v) for v in self._state]), self._frame)
+            return State(np.array([float(np.ravel(v)[0]) for v in self._state]), self._frame)
         slots = np.empty((len(self._state), self._flights))
         for i, value in enumerate(self._state):
             slots[i] = value
@@ -174,6 +174,11 @@ class Simulator:
     def _state_for(self, flights: int | None, interpreter: Interpreter) -> tuple[Any, ...]:
         if self._state is None:
             return interpreter.initial_state
+        self._check_flights(flights)
+        return self._state
+
+    def _check_flights(self, flights: int | None) -> None:
+        """Raises DiagnosisError E508 if the frames before were of another number of flights."""
         if flights is not None and self._flights is not None and flights != self._flights:
             raise DiagnosisError(
                 [
@@ -186,17 +191,7 @@ class Simulator:
                 ]
             )
         if (flights is None) != (self._flights is None) and self.program.real == 64:
-            raise DiagnosisError(
-                [
-                    Diagnosis(
-                        "E508",
-                        "one flight and a batch do not share a state",
-                        cause="the frames before were of the other kind",
-                        remedy="call reset(), or use a simulator for each",
-                    )
-                ]
-            )
-        return self._state
+            raise one_or_batch()
 
     def _named(self, flat: np.ndarray, leading: tuple[int, ...]) -> Arrays:
         named: Arrays = {}
@@ -247,6 +242,20 @@ class Simulator:
         if lead is None:
             lead = np.asarray(next(iter(inputs.values()))).shape[:1] if inputs else (1,)
         return (arrays, None, lead[0]) if len(lead) == 1 else (arrays, lead[0], lead[1])
+
+
+def one_or_batch() -> DiagnosisError:
+    """E508: frames of one flight after frames of a batch, or the other way round."""
+    return DiagnosisError(
+        [
+            Diagnosis(
+                "E508",
+                "one flight and a batch do not share a state",
+                cause="the frames before were of the other kind",
+                remedy="call reset(), or use a simulator for each",
+            )
+        ]
+    )
 
 
 def _part(slot: Any, start: int, stop: int, count: int) -> Any:

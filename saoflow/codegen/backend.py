@@ -1,0 +1,40 @@
+"""Backend ``c``: compiled frames, or the interpreter and a word about it where there is no compiler."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+from saoflow.codegen.compiler import find_compiler
+from saoflow.codegen.native import NativeSimulator
+from saoflow.codegen.objects import objects_of, warn_once
+from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.scheduler.simulator import Simulator
+
+if TYPE_CHECKING:
+    from saoflow.pipeline import LoadedSheet
+
+
+def native_simulator(sheet: LoadedSheet, real: int, probes: Collection[str], exact: bool) -> Simulator:
+    """Frames in C. Raises DiagnosisError as elaboration does, E401, and E607 (exact mode; a compile that fails)."""
+    if exact:
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E607",
+                    "exact mode does not exist in C",
+                    cause="the C code has tables in place of mathematical functions",
+                    remedy="use backend `interpreter`, or leave out exact",
+                )
+            ]
+        )
+    compiler = find_compiler()
+    if compiler is None:
+        warn_once(
+            "there is no C compiler: the interpreter runs the frames, slowly",
+            "none of cc, gcc, clang and the ziglang package is there or runs",
+            "install a C compiler, or pip install saoflow[cc]",
+        )
+        return sheet.simulator(real=real, probes=probes)
+    objects = objects_of(sheet, real, probes, compiler)
+    return NativeSimulator(objects.program, objects)

@@ -1,0 +1,153 @@
+"""Compiling C for this machine: finding a compiler, its flags, and what it says when it fails."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from saoflow.codegen.cache import Folder
+from saoflow.diagnosis import Diagnosis, DiagnosisError
+
+STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")
+"""Every operation rounded as written; code that loads anywhere; no warnings (``saoflow build`` is what is checked)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compiler:
+    """How a compiler is called, and what it calls itself."""
+
+    command: tuple[str, ...]
+    version: str
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """What makes good code soon: a frame's code is long and straight, and compiled while the user waits."""
+        # One pass of gcc (dead stores in machine code) takes as long as all others together on such code, for nothing.
+        quick = ("-O1",) if self.is_clang else ("-O1", "-fno-dse", "-Wno-psabi")
+        return (*quick, *(("-march=native",) if platform.machine() in ("x86_64", "AMD64") else ()), *STRICT)
+
+    @property
+    def is_clang(self) -> bool:
+        """clang, or zig's."""
+        return "clang" in self.version or "zig" in " ".join(self.command)
+
+
+def find_compiler() -> Compiler | None:
+    """$SAOFLOW_CC or $CC if set, else cc, gcc, clang, else the ``ziglang`` wheel; None if there is none that runs."""
+    return _find(os.environ.get("SAOFLOW_CC") or os.environ.get("CC") or "", os.environ.get("PATH", ""))
+
+
+@lru_cache(maxsize=8)
+def _find(chosen: str, _path: str) -> Compiler | None:
+    candidates: list[tuple[str, ...]] = [tuple(shlex.split(chosen))] if chosen else []
+    candidates += [(name,) for name in ("cc", "gcc", "clang")]
+    if importlib.util.find_spec("ziglang") is not None:
+        candidates.append((sys.executable, "-m", "ziglang", "cc"))
+    for command in candidates:
+        found = shutil.which(command[0])
+        if found is None:
+            continue
+        with contextlib.suppress(OSError, subprocess.SubprocessError):
+            answer = subprocess.run([found, *command[1:], "--version"], capture_output=True, text=True, timeout=60)
+            if answer.returncode == 0:
+                return Compiler((found, *command[1:]), answer.stdout.strip())
+    return None
+
+
+@lru_cache(maxsize=1)
+def machine() -> str:
+    """What -march=native depends on: the processor's abilities."""
+    with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+        lines = {line.strip() for line in file if line.startswith(("flags", "Features", "model name", "CPU"))}
+        return f"{platform.machine()} {sorted(lines)}"
+    return f"{platform.machine()} {platform.processor()} {platform.node()}"
+
+
+def register_bytes() -> int:
+    """The width of the widest registers that flights are laid into side by side: 32 with AVX2, else 16."""
+    return 32 if " avx2 " in machine() else 16
+
+
+def digest(*parts: str) -> str:
+    """SHA-256 of texts, as 40 hexadecimal digits."""
+    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogateescape")).hexdigest()[:40]
+
+
+def object_name(source: str, compiler: Compiler) -> str:
+    """The name of an object: everything that its content depends on. ``source``: the digest of its C text."""
+    return f"{digest(source, *compiler.flags, *compiler.command, compiler.version, machine())}.so"
+
+
+def compiled(text: str, compiler: Compiler, folder: Folder) -> Path:
+    """The shared object of a C text, from the folder or made now. Raises DiagnosisError E607."""
+    name = object_name(digest(text), compiler)
+    if folder.read(name) is not None:
+        return folder.path / name
+    folder.tidy()
+    try:
+        with tempfile.TemporaryDirectory(prefix="part-", dir=folder.path) as work, _told(compiler):
+            source, target = Path(work) / "frame.c", Path(work) / "frame.so"
+            source.write_text(text, encoding="ascii")
+            _call([*compiler.command, *compiler.flags, str(source), "-o", str(target)], compiler)
+            return folder.write(name, target.read_bytes())
+    except OSError as error:
+        raise _failed(
+            compiler,
+            f"{error.strerror or error} ({folder.path})",
+            "make room there, or set XDG_CACHE_HOME to a folder with room; or use backend `interpreter`",
+        ) from None
+
+
+def _call(command: Sequence[str], compiler: Compiler) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL)
+    if done.returncode:
+        said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
+        raise _failed(
+            compiler,
+            "; ".join(said) or f"it ends with exit code {done.returncode} and says nothing",
+            "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`",
+        )
+
+
+def _failed(compiler: Compiler, cause: str, remedy: str) -> DiagnosisError:
+    message = f"the C code cannot be compiled with {' '.join(compiler.command)}"
+    return DiagnosisError([Diagnosis("E607", message, cause=cause, remedy=remedy)])
+
+
+@contextlib.contextmanager
+def _told(compiler: Compiler) -> Iterator[None]:
+    """A word on the terminal while a compile lasts longer than a second."""
+    import threading
+
+    if not sys.stderr.isatty():
+        yield
+        return
+    done = threading.Event()
+
+    def tell() -> None:
+        if done.wait(1.0):
+            return
+        from rich.console import Console
+
+        with Console(stderr=True).status(f"compiling the frame with {Path(compiler.command[0]).name} ..."):
+            done.wait()
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        done.set()
+        teller.join()

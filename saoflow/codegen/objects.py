@@ -1,0 +1,139 @@
+"""The compiled objects of a sheet: found again by the content of its YAML, else elaborated, printed and compiled.
+
+What a program is made from is all in a few files, so their content finds the program and its objects again without reading
+a sheet. Every step checks by content: the YAML, this package's own code, the C text, the compiler and its flags.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import sys
+import warnings
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from saoflow.codegen.cache import Folder, cache_folder
+from saoflow.codegen.compiler import Compiler, compiled, digest, object_name
+from saoflow.codegen.generate import native_file
+from saoflow.codegen.printer import print_file
+from saoflow.collector import collector_paused
+from saoflow.diagnosis import Diagnosis
+from saoflow.diagrams.store import SHIPPED
+from saoflow.pipeline import LoadedSheet
+from saoflow.scheduler.program import FrameProgram
+
+MOST_SHEETS = 300
+"""A sheet in a folder of more YAML files than this is elaborated every time."""
+
+
+class BackendWarning(UserWarning):
+    """What was asked for is not there, and something else does the work."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        super().__init__(diagnosis.render())
+        self.diagnosis = diagnosis
+
+
+@lru_cache(maxsize=64)
+def warn_once(message: str, cause: str, remedy: str) -> None:
+    """A warning that is given once in a process."""
+    warnings.warn(BackendWarning(Diagnosis("W607", message, cause=cause, remedy=remedy)), stacklevel=4)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Objects:
+    """The shared objects of a program. ``key`` finds them again; empty: it does not."""
+
+    program: FrameProgram
+    compiler: Compiler
+    folder: Folder
+    key: str
+
+    def path(self, lanes: int) -> Path:
+        """The object for one flight (0) or so many side by side. Raises DiagnosisError E607."""
+        note = f"{self.key}.{lanes}"
+        known = self.folder.read(note) if self.key else None
+        if known is not None:
+            name = object_name(known.decode("ascii"), self.compiler)
+            if self.folder.read(name) is not None:
+                return self.folder.path / name
+        with collector_paused():
+            text = print_file(native_file(self.program, lanes), traced=False).text
+        path = compiled(text, self.compiler, self.folder)
+        if self.key:
+            _keep(self.folder, note, digest(text).encode("ascii"))
+        return path
+
+
+def objects_of(sheet: LoadedSheet, real: int, probes: Collection[str], compiler: Compiler) -> Objects:
+    """The program of a sheet and its objects. Raises DiagnosisError as elaboration does, and E401."""
+    folder = cache_folder()
+    if folder.problem:
+        warn_once(
+            "compiled code is not kept",
+            f"the cache folder cannot be used: {folder.problem}",
+            "set XDG_CACHE_HOME to a folder of your own",
+        )
+    key = "" if folder.problem else _key(sheet, real, probes)
+    found = folder.read(f"{key}.program") if key else None
+    if found is not None:
+        with collector_paused():
+            # Written by this very code (its fingerprint is in the key), into a folder that only its owner writes to.
+            program: FrameProgram = pickle.loads(found)
+        return Objects(program, compiler, folder, key)
+    sheet.budget().raise_if_over()
+    program = sheet.program(real, probes) if real != 64 or probes else sheet.frame_program
+    if key:
+        _keep(folder, f"{key}.program", pickle.dumps(program, 5))
+    return Objects(program, compiler, folder, key)
+
+
+def _keep(folder: Folder, name: str, content: bytes) -> None:
+    try:
+        folder.write(name, content)
+    except OSError as error:
+        warn_once("compiled code is not kept", f"{folder.path}: {error.strerror}", "make room there")
+
+
+def _key(sheet: LoadedSheet, real: int, probes: Collection[str]) -> str:
+    """All that a program depends on; empty where that is too much to read every time."""
+    files = _readable_sheets(Path(sheet.sheet.file).parent)
+    if files is None:
+        return ""
+    given = [
+        f"{name}={value.array.shape}{value.array.tobytes()!r}{value.unit}{value.text}{value.literal}"
+        for name, value in sheet.given.items()
+    ]
+    where = (os.getcwd(), sheet.sheet.file, *sheet.sheet.lines)
+    return digest(
+        _fingerprint(), sys.version, np.__version__, str(real), *sorted(given), *probes, "\1", *where, "\1", *files
+    )
+
+
+def _readable_sheets(folder: Path) -> list[str] | None:
+    """Name and content of every sheet that may be used: those beside the root sheet, and the shipped ones."""
+    beside = sorted(folder.glob("*.yaml")) if folder.is_dir() else []
+    if len(beside) > MOST_SHEETS:
+        return None
+    try:
+        return [f"{path}={hashlib.sha256(path.read_bytes()).hexdigest()}" for path in (*beside, *_shipped())]
+    except OSError:
+        return None
+
+
+def _shipped() -> list[Path]:
+    return sorted(SHIPPED.glob("*/*.yaml"))
+
+
+@lru_cache(maxsize=1)
+def _fingerprint() -> str:
+    """This package's code: a program kept by another version is not found."""
+    root = SHIPPED.parent
+    files = [(path.relative_to(root).as_posix(), path.stat()) for path in sorted(root.rglob("*.py"))]
+    return digest(*(f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in files))
