@@ -1,0 +1,533 @@
+/*
+ * The interface of FMI 3.0 for co-simulation, over the generated code of one sheet.
+ */
+#include "fmi3-api.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+    bool logging;
+} Callbacks;
+
+#include "fmi-model.h"
+#include "fmi-unit.h"
+
+static void report(const Unit *unit, const char *message)
+{
+    if (unit->callbacks.log != NULL) {
+        unit->callbacks.log(unit->callbacks.environment, fmi3Error, "logStatusError", message);
+    }
+}
+
+static void *claim(const Callbacks *callbacks, size_t size)
+{
+    (void)callbacks;
+    return calloc(1u, size);
+}
+
+static void release(const Callbacks *callbacks, void *memory)
+{
+    (void)callbacks;
+    free(memory);
+}
+
+static fmi3Status status(bool done)
+{
+    return done ? fmi3OK : fmi3Error;
+}
+
+static fmi3Status refuse(fmi3Instance instance, const char *message)
+{
+    if (instance != NULL) {
+        report((const Unit *)instance, message);
+    }
+    return fmi3Error;
+}
+
+/* ---- the instance */
+
+FMI3(const char *, fmi3GetVersion, (void))
+{
+    return "3.0";
+}
+
+FMI3(fmi3Status, fmi3SetDebugLogging,
+     (fmi3Instance instance, fmi3Boolean loggingOn, size_t count, const fmi3String categories[]))
+{
+    (void)count;
+    (void)categories;
+    if (instance == NULL) {
+        return fmi3Error;
+    }
+    ((Unit *)instance)->callbacks.logging = loggingOn;
+    return fmi3OK;
+}
+
+FMI3(fmi3Instance, fmi3InstantiateCoSimulation,
+     (fmi3String instanceName, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean loggingOn,
+      fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed, const fmi3ValueReference intermediate[],
+      size_t intermediateCount, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+      fmi3IntermediateUpdateCallback update))
+{
+    Callbacks callbacks;
+    const char *problem = NULL;
+    (void)instanceName;
+    (void)resources;
+    (void)visible;
+    (void)earlyReturnAllowed;
+    (void)intermediate;
+    (void)update;
+    memset(&callbacks, 0, sizeof callbacks);
+    callbacks.environment = environment;
+    callbacks.log = log;
+    callbacks.logging = loggingOn;
+    if (!sameToken(token)) {
+        problem = "the token is not that of this unit: modelDescription.xml and binary do not belong together";
+    } else if (eventModeUsed || intermediateCount != 0u) {
+        problem = "the unit has no event mode and no intermediate variables";
+    }
+    if (problem != NULL) {
+        if (log != NULL) {
+            log(environment, fmi3Error, "logStatusError", problem);
+        }
+        return NULL;
+    }
+    return makeUnit(&callbacks);
+}
+
+FMI3(fmi3Instance, fmi3InstantiateModelExchange,
+     (fmi3String instanceName, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean loggingOn,
+      fmi3InstanceEnvironment environment, fmi3LogMessageCallback log))
+{
+    (void)instanceName;
+    (void)token;
+    (void)resources;
+    (void)visible;
+    (void)loggingOn;
+    if (log != NULL) {
+        log(environment, fmi3Error, "logStatusError", "the unit is for co-simulation only");
+    }
+    return NULL;
+}
+
+FMI3(fmi3Instance, fmi3InstantiateScheduledExecution,
+     (fmi3String instanceName, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean loggingOn,
+      fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3ClockUpdateCallback clock,
+      fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock))
+{
+    (void)instanceName;
+    (void)token;
+    (void)resources;
+    (void)visible;
+    (void)loggingOn;
+    (void)clock;
+    (void)lock;
+    (void)unlock;
+    if (log != NULL) {
+        log(environment, fmi3Error, "logStatusError", "the unit is for co-simulation only");
+    }
+    return NULL;
+}
+
+FMI3(void, fmi3FreeInstance, (fmi3Instance instance))
+{
+    free(instance);
+}
+
+FMI3(fmi3Status, fmi3EnterInitializationMode,
+     (fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
+      fmi3Boolean stopTimeDefined, fmi3Float64 stopTime))
+{
+    Unit *unit = (Unit *)instance;
+    (void)toleranceDefined;
+    (void)tolerance;
+    if (unit == NULL || !inMode(unit, modeInstantiated, "fmi3EnterInitializationMode") ||
+        !beginInitialization(unit, startTime, stopTimeDefined, stopTime)) {
+        return fmi3Error;
+    }
+    unit->memory.mode = modeInitializing;
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3ExitInitializationMode, (fmi3Instance instance))
+{
+    Unit *unit = (Unit *)instance;
+    if (unit == NULL || !inMode(unit, modeInitializing, "fmi3ExitInitializationMode")) {
+        return fmi3Error;
+    }
+    endInitialization(unit);
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3Terminate, (fmi3Instance instance))
+{
+    Unit *unit = (Unit *)instance;
+    if (unit == NULL || !inMode(unit, modeStepping, "fmi3Terminate")) {
+        return fmi3Error;
+    }
+    unit->memory.mode = modeTerminated;
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3Reset, (fmi3Instance instance))
+{
+    if (instance == NULL) {
+        return fmi3Error;
+    }
+    restart((Unit *)instance);
+    return fmi3OK;
+}
+
+/* ---- values: elements of arrays one after another, rows first */
+
+/* The kinds of variable that fmi3GetFloat64 and fmi3GetFloat32 know. */
+#define KINDS_64 (kindConstant | kindTime | (sizeof(ModelReal) == sizeof(fmi3Float64) ? kindReal : 0))
+#define KINDS_32 (sizeof(ModelReal) == sizeof(fmi3Float64) ? 0 : kindReal)
+
+#define REALS(get, set, type, kinds)                                                                              \
+    FMI3(fmi3Status, get,                                                                                         \
+         (fmi3Instance instance, const fmi3ValueReference references[], size_t count, type values[],              \
+          size_t valueCount))                                                                                     \
+    {                                                                                                             \
+        Unit *unit = (Unit *)instance;                                                                            \
+        size_t next = 0u;                                                                                         \
+        size_t i;                                                                                                 \
+        if (unit == NULL || !fits(unit, references, count, valueCount)) {                                         \
+            return fmi3Error;                                                                                     \
+        }                                                                                                         \
+        for (i = 0u; i < count; ++i) {                                                                            \
+            const Variable *variable = variableOf(unit, references[i], kinds);                                    \
+            size_t k;                                                                                             \
+            if (variable == NULL) {                                                                               \
+                return fmi3Error;                                                                                 \
+            }                                                                                                     \
+            prepare(unit, variable);                                                                              \
+            for (k = 0u; k < variable->count; ++k) {                                                              \
+                values[next++] = (type)realOf(unit, variable, k);                                                 \
+            }                                                                                                     \
+        }                                                                                                         \
+        return fmi3OK;                                                                                            \
+    }                                                                                                             \
+                                                                                                                  \
+    FMI3(fmi3Status, set,                                                                                         \
+         (fmi3Instance instance, const fmi3ValueReference references[], size_t count, const type values[],        \
+          size_t valueCount))                                                                                     \
+    {                                                                                                             \
+        Unit *unit = (Unit *)instance;                                                                            \
+        size_t next = 0u;                                                                                         \
+        size_t i;                                                                                                 \
+        if (unit == NULL || !fits(unit, references, count, valueCount)) {                                         \
+            return fmi3Error;                                                                                     \
+        }                                                                                                         \
+        for (i = 0u; i < count; ++i) {                                                                            \
+            const Variable *variable = variableOf(unit, references[i], kinds);                                    \
+            size_t k;                                                                                             \
+            if (variable == NULL || !settable(unit, variable, references[i])) {                                   \
+                return fmi3Error;                                                                                 \
+            }                                                                                                     \
+            for (k = 0u; k < variable->count; ++k) {                                                              \
+                ((ModelReal *)placeToSet(unit, variable))[k] = (ModelReal)values[next++];                         \
+            }                                                                                                     \
+        }                                                                                                         \
+        return fmi3OK;                                                                                            \
+    }
+
+REALS(fmi3GetFloat64, fmi3SetFloat64, fmi3Float64, KINDS_64)
+REALS(fmi3GetFloat32, fmi3SetFloat32, fmi3Float32, KINDS_32)
+
+FMI3(fmi3Status, fmi3GetBoolean,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Boolean values[],
+      size_t valueCount))
+{
+    Unit *unit = (Unit *)instance;
+    size_t next = 0u;
+    size_t i;
+    if (unit == NULL || !fits(unit, references, count, valueCount)) {
+        return fmi3Error;
+    }
+    for (i = 0u; i < count; ++i) {
+        const Variable *variable = variableOf(unit, references[i], kindBoolean);
+        size_t k;
+        if (variable == NULL) {
+            return fmi3Error;
+        }
+        prepare(unit, variable);
+        for (k = 0u; k < variable->count; ++k) {
+            values[next++] = ((const bool *)placeOf(unit, variable))[k];
+        }
+    }
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3SetBoolean,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, const fmi3Boolean values[],
+      size_t valueCount))
+{
+    Unit *unit = (Unit *)instance;
+    size_t next = 0u;
+    size_t i;
+    if (unit == NULL || !fits(unit, references, count, valueCount)) {
+        return fmi3Error;
+    }
+    for (i = 0u; i < count; ++i) {
+        const Variable *variable = variableOf(unit, references[i], kindBoolean);
+        size_t k;
+        if (variable == NULL || !settable(unit, variable, references[i])) {
+            return fmi3Error;
+        }
+        for (k = 0u; k < variable->count; ++k) {
+            ((bool *)placeToSet(unit, variable))[k] = values[next++];
+        }
+    }
+    return fmi3OK;
+}
+
+/* A sheet has no variables of these types: only the empty list is right. */
+#define NO_VARIABLES(function, type)                                                                           \
+    FMI3(fmi3Status, function,                                                                                 \
+         (fmi3Instance instance, const fmi3ValueReference references[], size_t count, type values[],           \
+          size_t valueCount))                                                                                  \
+    {                                                                                                          \
+        (void)references;                                                                                      \
+        (void)values;                                                                                          \
+        (void)valueCount;                                                                                      \
+        return count == 0u ? fmi3OK : refuse(instance, #function ": the unit has no variables of this type");  \
+    }
+
+NO_VARIABLES(fmi3GetInt8, fmi3Int8)
+NO_VARIABLES(fmi3GetUInt8, fmi3UInt8)
+NO_VARIABLES(fmi3GetInt16, fmi3Int16)
+NO_VARIABLES(fmi3GetUInt16, fmi3UInt16)
+NO_VARIABLES(fmi3GetInt32, fmi3Int32)
+NO_VARIABLES(fmi3GetUInt32, fmi3UInt32)
+NO_VARIABLES(fmi3GetInt64, fmi3Int64)
+NO_VARIABLES(fmi3GetUInt64, fmi3UInt64)
+NO_VARIABLES(fmi3GetString, fmi3String)
+NO_VARIABLES(fmi3SetInt8, const fmi3Int8)
+NO_VARIABLES(fmi3SetUInt8, const fmi3UInt8)
+NO_VARIABLES(fmi3SetInt16, const fmi3Int16)
+NO_VARIABLES(fmi3SetUInt16, const fmi3UInt16)
+NO_VARIABLES(fmi3SetInt32, const fmi3Int32)
+NO_VARIABLES(fmi3SetUInt32, const fmi3UInt32)
+NO_VARIABLES(fmi3SetInt64, const fmi3Int64)
+NO_VARIABLES(fmi3SetUInt64, const fmi3UInt64)
+NO_VARIABLES(fmi3SetString, const fmi3String)
+
+/* ---- saved states */
+
+FMI3(fmi3Status, fmi3GetFMUState, (fmi3Instance instance, fmi3FMUState *state))
+{
+    return status(instance != NULL && state != NULL && saveState((Unit *)instance, state));
+}
+
+FMI3(fmi3Status, fmi3SetFMUState, (fmi3Instance instance, fmi3FMUState state))
+{
+    return status(instance != NULL && restoreState((Unit *)instance, state));
+}
+
+FMI3(fmi3Status, fmi3FreeFMUState, (fmi3Instance instance, fmi3FMUState *state))
+{
+    if (instance == NULL) {
+        return fmi3Error;
+    }
+    freeState((Unit *)instance, state);
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3SerializedFMUStateSize, (fmi3Instance instance, fmi3FMUState state, size_t *size))
+{
+    (void)state;
+    if (instance == NULL || size == NULL) {
+        return fmi3Error;
+    }
+    *size = SERIALISED_SIZE;
+    return fmi3OK;
+}
+
+FMI3(fmi3Status, fmi3SerializeFMUState, (fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size))
+{
+    return status(instance != NULL && serialise((const Unit *)instance, state, bytes, size));
+}
+
+FMI3(fmi3Status, fmi3DeserializeFMUState,
+     (fmi3Instance instance, const fmi3Byte bytes[], size_t size, fmi3FMUState *state))
+{
+    return status(instance != NULL && state != NULL && deserialise((Unit *)instance, bytes, size, state));
+}
+
+/* ---- steps */
+
+FMI3(fmi3Status, fmi3DoStep,
+     (fmi3Instance instance, fmi3Float64 point, fmi3Float64 size, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn,
+      fmi3Float64 *lastSuccessfulTime))
+{
+    Unit *unit = (Unit *)instance;
+    bool done;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (unit == NULL || !inMode(unit, modeStepping, "fmi3DoStep")) {
+        return fmi3Error;
+    }
+    done = advance(unit, point, size);
+    *eventHandlingNeeded = false;
+    *terminateSimulation = false;
+    *earlyReturn = false;
+    *lastSuccessfulTime = unitTime(unit);
+    return status(done);
+}
+
+/* ---- what the unit does not offer, as its description says */
+
+#define MODE_NOT_OFFERED(function)                                                \
+    FMI3(fmi3Status, function, (fmi3Instance instance))                           \
+    {                                                                             \
+        return refuse(instance, #function ": the unit has no event or configuration mode, no clocks"); \
+    }
+
+MODE_NOT_OFFERED(fmi3EnterEventMode)
+MODE_NOT_OFFERED(fmi3EnterStepMode)
+MODE_NOT_OFFERED(fmi3EnterConfigurationMode)
+MODE_NOT_OFFERED(fmi3ExitConfigurationMode)
+MODE_NOT_OFFERED(fmi3EvaluateDiscreteStates)
+
+FMI3(fmi3Status, fmi3UpdateDiscreteStates,
+     (fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
+      fmi3Boolean *nominalsOfContinuousStatesChanged, fmi3Boolean *valuesOfContinuousStatesChanged,
+      fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime))
+{
+    (void)discreteStatesNeedUpdate;
+    (void)terminateSimulation;
+    (void)nominalsOfContinuousStatesChanged;
+    (void)valuesOfContinuousStatesChanged;
+    (void)nextEventTimeDefined;
+    (void)nextEventTime;
+    return refuse(instance, "fmi3UpdateDiscreteStates: the unit has no event mode");
+}
+
+FMI3(fmi3Status, fmi3ActivateModelPartition,
+     (fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 activationTime))
+{
+    (void)clock;
+    (void)activationTime;
+    return refuse(instance, "fmi3ActivateModelPartition: the unit is for co-simulation only");
+}
+
+FMI3(fmi3Status, fmi3GetBinary,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, size_t sizes[], fmi3Binary values[],
+      size_t valueCount))
+{
+    (void)references;
+    (void)sizes;
+    (void)values;
+    (void)valueCount;
+    return count == 0u ? fmi3OK : refuse(instance, "fmi3GetBinary: the unit has no binary variables");
+}
+
+FMI3(fmi3Status, fmi3SetBinary,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, const size_t sizes[],
+      const fmi3Binary values[], size_t valueCount))
+{
+    (void)references;
+    (void)sizes;
+    (void)values;
+    (void)valueCount;
+    return count == 0u ? fmi3OK : refuse(instance, "fmi3SetBinary: the unit has no binary variables");
+}
+
+/* Functions on clocks: one with one array of values, one with two. */
+#define NO_CLOCKS(function, type)                                                                                     \
+    FMI3(fmi3Status, function,                                                                                        \
+         (fmi3Instance instance, const fmi3ValueReference references[], size_t count, type values[]))                 \
+    {                                                                                                                 \
+        (void)references;                                                                                             \
+        (void)values;                                                                                                 \
+        return count == 0u ? fmi3OK : refuse(instance, #function ": the unit has no clocks");                         \
+    }
+
+#define NO_CLOCKS_2(function, type, type2)                                                                            \
+    FMI3(fmi3Status, function,                                                                                        \
+         (fmi3Instance instance, const fmi3ValueReference references[], size_t count, type values[], type2 others[])) \
+    {                                                                                                                 \
+        (void)references;                                                                                             \
+        (void)values;                                                                                                 \
+        (void)others;                                                                                                 \
+        return count == 0u ? fmi3OK : refuse(instance, #function ": the unit has no clocks");                         \
+    }
+
+NO_CLOCKS(fmi3GetClock, fmi3Clock)
+NO_CLOCKS(fmi3SetClock, const fmi3Clock)
+NO_CLOCKS(fmi3GetShiftDecimal, fmi3Float64)
+NO_CLOCKS(fmi3SetShiftDecimal, const fmi3Float64)
+NO_CLOCKS(fmi3SetIntervalDecimal, const fmi3Float64)
+NO_CLOCKS_2(fmi3GetIntervalDecimal, fmi3Float64, fmi3IntervalQualifier)
+NO_CLOCKS_2(fmi3GetShiftFraction, fmi3UInt64, fmi3UInt64)
+NO_CLOCKS_2(fmi3SetShiftFraction, const fmi3UInt64, const fmi3UInt64)
+NO_CLOCKS_2(fmi3SetIntervalFraction, const fmi3UInt64, const fmi3UInt64)
+
+FMI3(fmi3Status, fmi3GetIntervalFraction,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3UInt64 counters[],
+      fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[]))
+{
+    (void)references;
+    (void)counters;
+    (void)resolutions;
+    (void)qualifiers;
+    return count == 0u ? fmi3OK : refuse(instance, "fmi3GetIntervalFraction: the unit has no clocks");
+}
+
+FMI3(fmi3Status, fmi3GetNumberOfVariableDependencies,
+     (fmi3Instance instance, fmi3ValueReference reference, size_t *dependencies))
+{
+    (void)reference;
+    (void)dependencies;
+    return refuse(instance, "fmi3GetNumberOfVariableDependencies: dependencies are in modelDescription.xml");
+}
+
+FMI3(fmi3Status, fmi3GetVariableDependencies,
+     (fmi3Instance instance, fmi3ValueReference dependent, size_t elementsOfDependent[],
+      fmi3ValueReference independents[], size_t elementsOfIndependents[], fmi3DependencyKind kinds[], size_t count))
+{
+    (void)dependent;
+    (void)elementsOfDependent;
+    (void)independents;
+    (void)elementsOfIndependents;
+    (void)kinds;
+    (void)count;
+    return refuse(instance, "fmi3GetVariableDependencies: dependencies are in modelDescription.xml");
+}
+
+#define NO_DERIVATIVES(function)                                                                                      \
+    FMI3(fmi3Status, function,                                                                                        \
+         (fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknownCount,                            \
+          const fmi3ValueReference knowns[], size_t knownCount, const fmi3Float64 seed[], size_t seedCount,           \
+          fmi3Float64 sensitivity[], size_t sensitivityCount))                                                        \
+    {                                                                                                                 \
+        (void)unknowns;                                                                                               \
+        (void)unknownCount;                                                                                           \
+        (void)knowns;                                                                                                 \
+        (void)knownCount;                                                                                             \
+        (void)seed;                                                                                                   \
+        (void)seedCount;                                                                                              \
+        (void)sensitivity;                                                                                            \
+        (void)sensitivityCount;                                                                                       \
+        return refuse(instance, #function ": the unit gives no derivatives");                                         \
+    }
+
+NO_DERIVATIVES(fmi3GetDirectionalDerivative)
+NO_DERIVATIVES(fmi3GetAdjointDerivative)
+
+FMI3(fmi3Status, fmi3GetOutputDerivatives,
+     (fmi3Instance instance, const fmi3ValueReference references[], size_t count, const fmi3Int32 orders[],
+      fmi3Float64 values[], size_t valueCount))
+{
+    (void)references;
+    (void)count;
+    (void)orders;
+    (void)values;
+    (void)valueCount;
+    return refuse(instance, "fmi3GetOutputDerivatives: the unit gives no derivatives");
+}
