@@ -13,9 +13,12 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "show", "symbols")}
+if TYPE_CHECKING:
+    from saoflow.diagnosis import Diagnosis
+
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "show", "symbols", "fmu")}
 GROUP = "saoflow.commands"
 ORDER = ("demo", "check", "run", "budget", "verify", "fly", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
@@ -42,8 +45,9 @@ def main() -> None:
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command line; returns its exit code. Never raises for bad input."""
+    json = "--json" in arguments
     try:
-        code = _dispatch(list(arguments))
+        code = _dispatch(list(arguments), json)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -53,24 +57,24 @@ def run(arguments: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
-        return _failed(error)
+        return _failed(error, json)
 
 
-def _dispatch(arguments: list[str]) -> int:
+def _dispatch(arguments: list[str], json: bool) -> int:
     if not arguments or arguments[0] in ("--help", "-h", "help"):
         if len(arguments) > 1 and arguments[0] == "help":
-            return _dispatch([arguments[1], "--help"])
+            return _dispatch([arguments[1], "--help"], json)
         print(_usage())
         return 0 if arguments else 2
     if arguments[0] == "--version":
         print(f"saoflow {_version()}")
         return 0
     name = arguments[0]
-    command = _find(name)
-    return 2 if command is None else _call(name, command, arguments[1:])
+    command = _find(name, json)
+    return 2 if command is None else _call(name, command, arguments[1:], json)
 
 
-def _call(name: str, function: Command, arguments: list[str]) -> int:
+def _call(name: str, function: Command, arguments: list[str], json: bool) -> int:
     """Parse the arguments of a command and run it."""
     import typer
     import typer.main
@@ -85,16 +89,18 @@ def _call(name: str, function: Command, arguments: list[str]) -> int:
         return leave.exit_code
     except typer.Abort:
         return 130
-    except SystemExit:  # no command of ours exits so: the parser met a closed pipe
-        raise BrokenPipeError from None
+    except SystemExit as leave:
+        if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # typer's way to say that the pipe is closed
+            raise BrokenPipeError from None
+        return leave.code if isinstance(leave.code, int) else 1
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
-        return _misused(name, error, [option for parameter in command.params for option in parameter.opts])
+        return _misused(name, error, [option for parameter in command.params for option in parameter.opts], json)
     return result if isinstance(result, int) else 0
 
 
-def _misused(name: str, error: Any, options: list[str]) -> int:
+def _misused(name: str, error: Any, options: list[str], json: bool) -> int:
     """A command line that the parser refuses, as a diagnosis."""
     from saoflow.diagnosis import did_you_mean
 
@@ -105,23 +111,33 @@ def _misused(name: str, error: Any, options: list[str]) -> int:
         message[:1].lower() + message[1:],
         f"the command line of `saoflow {name}` does not allow it",
         near or f"`saoflow {name} --help` shows what it takes, with an example",
+        json,
     )
 
 
-def _refuse(message: str, cause: str, remedy: str) -> int:
+def _refuse(message: str, cause: str, remedy: str, json: bool) -> int:
     from saoflow.diagnosis import Diagnosis
 
-    print(Diagnosis("E609", message, cause=cause, remedy=remedy).render(), file=sys.stderr)
+    return _tell([Diagnosis("E609", message, cause=cause, remedy=remedy)], json)
+
+
+def _tell(diagnoses: Sequence[Diagnosis], json: bool) -> int:
+    """Diagnoses that no command tells itself, in the form that was asked for."""
+    if json:
+        import json as json_text
+
+        print(json_text.dumps({"diagnoses": [d.to_dict() for d in diagnoses]}, indent=1))
+    else:
+        print("\n".join(d.render() for d in diagnoses), file=sys.stderr)
     return 2
 
 
-def _failed(error: Exception) -> int:
+def _failed(error: Exception, json: bool) -> int:
     """What no command foresaw: diagnoses that came through, or an error of ours."""
     from saoflow.diagnosis import Diagnosis, DiagnosisError
 
     if isinstance(error, DiagnosisError):
-        print(error, file=sys.stderr)
-        return 2
+        return _tell(error.diagnoses, json)
     if os.environ.get("SAOFLOW_TRACEBACK"):
         traceback.print_exception(error)
     frame = traceback.extract_tb(error.__traceback__)[-1]
@@ -131,14 +147,13 @@ def _failed(error: Exception) -> int:
         cause=f"saoflow {_version()} did not foresee this, in {os.path.basename(frame.filename)}, line {frame.lineno}",
         remedy="please report it with the input; SAOFLOW_TRACEBACK=1 shows where it happened",
     )
-    print(report.render(), file=sys.stderr)
-    return 2
+    return _tell([report], json)
 
 
 # -- finding commands
 
 
-def _find(name: str) -> Command | None:
+def _find(name: str, json: bool) -> Command | None:
     """The function of a command; None after a diagnosis."""
     if name in BUILT_IN:
         return _load(BUILT_IN[name])
@@ -150,6 +165,7 @@ def _find(name: str) -> Command | None:
             f"there is no {'option' if name.startswith('-') else 'command'} `{name}`",
             f"the commands are: {', '.join(_in_order({*BUILT_IN, *joined}))}",
             did_you_mean(name, {*BUILT_IN, *joined}) or "`saoflow --help` explains them",
+            json,
         )
         return None
     try:
@@ -161,6 +177,7 @@ def _find(name: str) -> Command | None:
             f"the command `{name}` cannot be loaded",
             f"importing {joined[name]} gives {type(error).__name__}: {error}",
             "install its package again",
+            json,
         )
         return None
 

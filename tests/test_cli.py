@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -74,6 +75,32 @@ def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) 
 def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], arguments: list[str], words: str) -> None:
     out, err = ends(capsys, 2, *arguments)
     assert not out and words in err, err
+
+
+def test_usage_errors_are_machine_readable_too(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["run", LAG, "--json"], ["chekc", "--json"], ["check", "--json", "--jsno"]):
+        out, err = ends(capsys, 2, *arguments)
+        assert not err
+        assert json.loads(out)["diagnoses"][0]["code"] == "E609"
+
+
+def test_progress_shows_on_a_terminal_for_work_that_takes_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    from saoflow.commands import shell
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    def shown(stream: io.StringIO, patience: float) -> bool:
+        monkeypatch.setattr(sys, "stderr", stream)
+        monkeypatch.setattr(shell, "PATIENCE", patience)
+        with shell.progress_bar("running", 10) as bar:
+            bar(5)
+            return bar.progress is not None
+
+    assert shown(Terminal(), 0.0)
+    assert not shown(Terminal(), 60.0)
+    assert not shown(io.StringIO(), 0.0)
 
 
 def test_a_command_that_cannot_be_loaded_does_not_disturb_the_others(
