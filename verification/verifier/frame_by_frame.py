@@ -46,7 +46,7 @@ def compare_frames(
         alike, found = _choices(case, scenario, got, expected)
         others += found
         for compared, record in zip(case.compared, worst, strict=True):
-            _see(record, compared, scenario, got, expected, alike)
+            _see(record, case, compared, scenario, got, expected, alike)
             if compared.key in case.initial:
                 _see_initial(record, compared, scenario, got, case.initial[compared.key])
     checks = [
@@ -65,7 +65,12 @@ def _run(
     expected = []
     for k in range(len(scenario)):
         state = {wire: got[wire][k] for wire in case.state_wires}
-        expected.append(case.expect(state, {name: column[k] for name, column in scenario.inputs.items()}))
+        inputs = {name: column[k] for name, column in scenario.inputs.items()}
+        try:
+            expected.append(case.expect(state, inputs))
+        except Exception as error:
+            cause = f"in frame {k} of {scenario.name} it raised {type(error).__name__}: {error}"
+            raise _unusable(case, cause, "mend the reference") from error
         if k % 16 == 15:
             progress(16)
     progress(len(scenario) % 16)
@@ -95,6 +100,7 @@ def _choices(
 
 def _see(
     record: Worst,
+    case: ReferenceCase,
     compared: Compared,
     scenario: Scenario,
     got: dict[str, Array],
@@ -109,17 +115,9 @@ def _see(
     right = np.array([expected[k].values[compared.key] for k in rows], dtype=np.float64)
     found = compared.of_sheet(got)[rows + shift]
     if found.shape != right.shape:
-        raise DiagnosisError(
-            [
-                Diagnosis(
-                    "E604",
-                    f"the reference does not fit the sheet at {compared.name}",
-                    cause=f"the wire {compared.wire_name} has shape {list(found.shape[1:])}, the reference gives "
-                    f"{list(right.shape[1:])}",
-                    remedy="compare a wire of the same shape",
-                )
-            ]
-        )
+        shapes = f"has shape {list(found.shape[1:])}, the reference gives {list(right.shape[1:])}"
+        cause = f"for {compared.name} the wire {compared.wire_name} {shapes}"
+        raise _unusable(case, cause, "compare a wire of the same shape")
     ratio = relative_difference(found, right, compared.sigma) / compared.tolerance
     record.see(scenario, rows.astype(float), found, right, ratio)
 
@@ -128,6 +126,11 @@ def _see_initial(record: Worst, compared: Compared, scenario: Scenario, got: dic
     found, right = compared.of_sheet(got)[:1], np.asarray(initial, dtype=np.float64)[None]
     ratio = relative_difference(found, right, compared.sigma) / compared.tolerance
     record.see(scenario, np.array([-1.0]), found, right, ratio)
+
+
+def _unusable(case: ReferenceCase, cause: str, remedy: str) -> DiagnosisError:
+    message = f"the reference of `{case.sheet}` cannot be used"
+    return DiagnosisError([Diagnosis("E604", message, cause=cause, remedy=remedy)])
 
 
 def _choice_checks(case: ReferenceCase, others: list[OtherChoice], frames: int) -> list[Check]:

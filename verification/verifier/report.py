@@ -15,7 +15,7 @@ class Place:
 
     scenario: str
     frame: int
-    """Counted from the first frame of the scenario."""
+    """Counted from the first frame of the scenario; -1: what is remembered before it."""
     recording_frame: int
     element: tuple[int, ...]
     """Indices from 0; empty for a scalar."""

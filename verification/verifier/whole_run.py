@@ -24,11 +24,12 @@ def compare_runs(
     Raises :class:`saoflow.DiagnosisError` E604 if the function fails, or gives other outputs than the sheet.
     """
     exact, tables = sheet.simulator(exact=True), sheet.simulator()
-    outputs = [port.name for port in exact.program.outputs]
+    shapes = {port.name: port.type.shape for port in exact.program.outputs}
+    outputs = list(shapes)
     tabulated = any(table.function is not None for table in exact.program.tables)
     worst = {(name, kind): Worst() for kind in ("exact", "tables") for name in outputs}
     for scenario in scenarios:
-        right = _reference_outputs(reference, scenario, exact.run, outputs, sheet.name)
+        right = _reference_outputs(reference, scenario, shapes, sheet.name)
         for kind, simulator in (("exact", exact), ("tables", tables)):
             if kind == "tables" and not tabulated:
                 continue
@@ -53,7 +54,7 @@ def _magnitude(values: Array) -> float:
 
 
 def _reference_outputs(
-    reference: FunctionReference, scenario: Scenario, run: object, outputs: list[str], sheet: str
+    reference: FunctionReference, scenario: Scenario, shapes: Mapping[str, tuple[int, ...]], sheet: str
 ) -> dict[str, Array]:
     try:
         with np.errstate(all="ignore"):
@@ -62,9 +63,18 @@ def _reference_outputs(
         raise _unusable(sheet, f"it raised {type(error).__name__}: {error}") from error
     if not isinstance(given, Mapping):
         raise _unusable(sheet, f"it gave {type(given).__name__}, not a dictionary of arrays")
-    if missing := [name for name in outputs if name not in given]:
+    if missing := [name for name in shapes if name not in given]:
         raise _unusable(sheet, f"it gave no {', '.join(missing)}; it gave {', '.join(map(str, given)) or 'nothing'}")
-    return {name: np.asarray(given[name], dtype=np.float64) for name in outputs}
+    right: dict[str, Array] = {}
+    for name, shape in shapes.items():
+        try:
+            right[name] = np.asarray(given[name], dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise _unusable(sheet, f"its {name} is not an array of numbers: {error}") from error
+        if right[name].shape != (len(scenario), *shape):
+            found, expected = list(right[name].shape), [len(scenario), *shape]
+            raise _unusable(sheet, f"its {name} has shape {found}, expected is {expected}")
+    return right
 
 
 def _unusable(sheet: str, cause: str) -> DiagnosisError:

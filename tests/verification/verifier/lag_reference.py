@@ -80,6 +80,21 @@ def fails(inputs):
     raise ZeroDivisionError("by hand")
 
 
+def wrong_shape(inputs):
+    """Give one column of two."""
+    right = run(inputs)
+    return right | {"y": right["y"][:, 0]}
+
+
+def words(inputs):
+    """Give text."""
+    return run(inputs) | {"y": "high"}
+
+
 def forgets(inputs):
     """Leave an output out."""
     return {"y": inputs["u"]}
+
+
+failing_case = replace(case, expect=lambda state, inputs: fails(inputs))
+misfit_case = replace(case, compared=(Compared("way", "length2", 1.0),))

@@ -88,6 +88,26 @@ error[E604]: the reference of `lag` cannot be used
     = cause: it gave no latched; it gave y
     = remedy: a reference takes a dictionary of input arrays, one row a frame, and gives one of output arrays
 """,
+    ("--reference", "lag_reference:wrong_shape", "--frames", "9"): """\
+error[E604]: the reference of `lag` cannot be used
+    = cause: its y has shape [3], expected is [3, 2]
+    = remedy: a reference takes a dictionary of input arrays, one row a frame, and gives one of output arrays
+""",
+    ("--reference", "lag_reference:words"): """\
+error[E604]: the reference of `lag` cannot be used
+    = cause: its y is not an array of numbers: could not convert string to float: 'high'
+    = remedy: a reference takes a dictionary of input arrays, one row a frame, and gives one of output arrays
+""",
+    ("--reference", "lag_reference:failing_case"): """\
+error[E604]: the reference of `lag` cannot be used
+    = cause: in frame 0 of noise it raised ZeroDivisionError: by hand
+    = remedy: mend the reference
+""",
+    ("--reference", "lag_reference:misfit_case"): """\
+error[E604]: the reference of `lag` cannot be used
+    = cause: for way the wire length2 has shape [], the reference gives [2]
+    = remedy: compare a wire of the same shape
+""",
     ("--frames", "0", "--seed", "-1"): """\
 error[E603]: --frames cannot be 0
     = cause: a verification compares 1 to 1000000 frames
