@@ -224,6 +224,16 @@ class _StructureTyper:
                 notes.append(
                     Note(f"operand {number + 1}{'' if '#' in node.path else f', `{word}`,'} is {wire_type}", origin)
                 )
+        guessed = [
+            self.produced_by[w] for w in node.inputs if w is not None and self.produced_by.get(w) in self.assumed
+        ]
+        for i in guessed[:2]:
+            delay = self.structure.nodes[i]
+            taken = self.types[delay.outputs[0]]
+            hint = (
+                f"a loop hides the type of `{delay.path}`, so it is taken as {taken}; state shape, type or unit there"
+            )
+            notes.append(Note(hint, delay.position))
         self.typer.report(problem, position, notes, label)
 
     def _origin(self, wire: int) -> Position | None:
