@@ -9,7 +9,7 @@ import pytest
 
 from verification.flights import Fault
 from verification.results.batch import Outcome
-from verification.results.fault_table import FLIGHTS, main, table
+from verification.results.fault_table import FLIGHTS, INTRODUCTION, main, table
 from verification.results.faults import LEVELS, Result, Trial, _result, run_trials, trials
 
 FOUND_AT_HIGH = {"oscillation", "jamming", "bias", "runaway"}
@@ -68,6 +68,17 @@ def test_the_cell_of_the_table():
         Result(trial, 0, None, 0, 0.1, 9.0),
     ]
     assert "| vc | runaway | middle: 5 kt/s | **2/3** in 2.50 s; 9.0 kt + 2 wrong |" in table(results)
+
+
+def test_the_document_is_the_commands():
+    """Written by the command as it is now; what each row says is held by running it again."""
+    text = (Path(__file__).parents[3] / "docs" / "fault_table.md").read_text(encoding="utf-8")
+    assert text.startswith(INTRODUCTION)
+    rows = [line for line in text.splitlines() if line.startswith(("| alpha |", "| vc |"))]
+    assert len(rows) == len(FLIGHTS) * 2 * (5 * 3 + 1)
+    one = [t for t in trials(which=((1,),)) if (t.fault.sensor, t.fault.kind, t.level) == ("vc", "bias", "middle")]
+    cell = table(run_trials(FLIGHTS[0], one)).splitlines()[2].split(" | ")[3]
+    assert f"| vc | bias | middle: 44.7 kt | {cell} |" in text
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(tmp_path: Path, capsys):
