@@ -67,6 +67,8 @@ class Counted:
 
     instructions: float
     mnemonics: Counter[str]
+    last: tuple[tuple[str, str], ...]
+    """Mnemonic and operands of what the last frame executed, in order."""
 
 
 def count_instructions(
@@ -87,32 +89,39 @@ def count_instructions(
     log = folder / "trace"
     _run(*tools.emulator, "-singlestep", "-d", "nochain,exec", "-dfilter", span, "-D", str(log), str(whole))
     found: Counter[str] = Counter()
+    frame: list[tuple[str, str]] = []
+    entry = min(a for a, (function, *_) in names.items() if function == code.interface.step)
     with log.open(encoding="ascii") as lines:
         for line in lines:
             at = TRACE.search(line)
-            if at is not None:
-                function, mnemonic = names.get(int(at[1], 16), ("?", "?"))
-                if function != code.interface.init:
-                    found[mnemonic] += 1
+            if at is None:
+                continue
+            address = int(at[1], 16)
+            function, mnemonic, operands = names.get(address, ("?", "?", ""))
+            if function != code.interface.init:
+                found[mnemonic] += 1
+                if address == entry:
+                    frame.clear()
+                frame.append((mnemonic, operands))
     log.unlink()
-    return Counted(found.total() / len(rows), found)
+    return Counted(found.total() / len(rows), found, tuple(frame))
 
 
 def _run(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def _instructions(listing: str) -> dict[int, tuple[str, str]]:
-    """Function and mnemonic by address."""
-    found: dict[int, tuple[str, str]] = {}
+def _instructions(listing: str) -> dict[int, tuple[str, str, str]]:
+    """Function, mnemonic and operands by address."""
+    found: dict[int, tuple[str, str, str]] = {}
     function = ""
     for line in listing.splitlines():
         head = re.match(r"[0-9a-f]+ <(.+)>:", line)
         if head is not None:
             function = head[1]
-        body = re.match(r"\s*([0-9a-f]+):\t[^\t]*\t(\S+)", line)
+        body = re.match(r"\s*([0-9a-f]+):\t[^\t]*\t(\S+)\s*([^<]*)", line)
         if body is not None:
-            found[int(body[1], 16)] = function, body[2]
+            found[int(body[1], 16)] = function, body[2], body[3]
     return found
 
 

@@ -14,6 +14,7 @@ from saoflow.targets.memory_form import memory_form
 from saoflow.targets.peephole import call_counts, inlined
 from saoflow.targets.pipeline import cycles
 from saoflow.targets.register_form import register_form
+from saoflow.targets.scheduling import scheduled
 from saoflow.targets.target import InstructionSet, Target
 
 CAVEAT = (
@@ -148,8 +149,8 @@ def frame_cost(
         raise DiagnosisError(found)
     isa = target.instruction_set
     forms = (
-        _form("memory", program, program.bodies, memory_form, isa, target),
-        _form("registers", program, inlined(program), register_form, isa, target),
+        _form("memory", program, program.bodies, memory_form, isa, target, False),
+        _form("registers", program, inlined(program), register_form, isa, target, True),
     )
     clock = target.clock_mhz if clock_mhz is None else clock_mhz
     return FrameCost(program.sheet, target, program.real, clock, clock_mhz is None, period, share, forms)
@@ -171,6 +172,7 @@ def _form(
     former: Former,
     isa: InstructionSet,
     target: Target,
+    optimised: bool,
 ) -> FormCost:
     """Every body once, weighted by how often a frame runs it; rate groups count by their part of the hyperperiod."""
     procedures = len(program.procedures)
@@ -182,6 +184,8 @@ def _form(
         instructions = former(body, program.tables, isa, i < procedures)
         for kind, n in Counter(x.kind for x in instructions).items():
             kinds[kind] += n * times
+        if optimised:
+            instructions = scheduled(instructions, target, program.real)
         costs.append(BodyCost(body.name, times, len(instructions), cycles(instructions, target, program.real)))
     return FormCost(
         name,

@@ -12,6 +12,8 @@ class Machine(Enum):
     ADD = "add"
     MULTIPLY = "multiply"
     DIVIDE = "divide"
+    MULTIPLY_ADD = "multiply_add"
+    """Product and sum in one instruction, each rounded: not fused, so the bits stay (VMLA of Arm's VFP)."""
     COMPARE = "compare"
     MOVE = "move"
     LOAD = "load"
@@ -22,7 +24,9 @@ class Machine(Enum):
     BRANCH = "branch"
 
 
-REAL_KINDS = frozenset({Machine.ADD, Machine.MULTIPLY, Machine.DIVIDE, Machine.COMPARE, Machine.MOVE})
+REAL_KINDS = frozenset(
+    {Machine.ADD, Machine.MULTIPLY, Machine.MULTIPLY_ADD, Machine.DIVIDE, Machine.COMPARE, Machine.MOVE}
+)
 """What the floating-point unit executes."""
 
 MEMORY_KINDS = frozenset({Machine.LOAD, Machine.STORE, Machine.INTEGER_LOAD, Machine.INTEGER_STORE})

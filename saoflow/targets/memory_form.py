@@ -22,6 +22,9 @@ class _Memory:
         self.body, self.tables, self.isa, self.procedure = body, tables, isa, procedure
         self.shares = isa.shares["memory"]
         self.stream = Stream()
+        frame = 8.0 * max(1, body.value_count)
+        self.far = sum(max(0.0, 1.0 - reach / frame) for reach in isa.reach)
+        """Instructions that form the address of a value on the stack, on average."""
         self.stored: dict[Atom, int] = {}
         """What was stored: the number of the instruction's result, so that a load of it waits for the store."""
 
@@ -90,12 +93,17 @@ class _Memory:
             for _ in range(self.isa.literal):
                 address = self.stream.emit(Machine.INTEGER)
             return self.stream.emit(Machine.LOAD, address)
-        kind = Machine.INTEGER_LOAD if self._boolean(a) else Machine.LOAD
-        return self.stream.emit(kind, self.stored.get(a, -1))
+        if self._boolean(a):
+            return self.stream.emit(Machine.INTEGER_LOAD, self.stored.get(a, -1))
+        self.stream.emit_share(Machine.INTEGER, self.far)
+        return self.stream.emit(Machine.LOAD, self.stored.get(a, -1))
 
     def _store(self, a: Atom, number: int) -> None:
-        kind = Machine.INTEGER_STORE if self._boolean(a) else Machine.STORE
-        self.stored[a] = self.stream.emit(kind, number)
+        if self._boolean(a):
+            self.stored[a] = self.stream.emit(Machine.INTEGER_STORE, number)
+            return
+        self.stream.emit_share(Machine.INTEGER, self.far)
+        self.stored[a] = self.stream.emit(Machine.STORE, number)
 
     def _load_at(self, a: Atom) -> int:
         """A load through a pointer that lies in memory too."""

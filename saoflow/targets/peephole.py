@@ -78,6 +78,25 @@ def folded_negations(body: ProgramBody) -> frozenset[int]:
     )
 
 
+def chained_products(body: ProgramBody) -> dict[int, Operation]:
+    """Sums and differences by result that take up a product which nothing else reads: ``c + a * b`` in one instruction."""
+    uses: Counter[Atom] = Counter(a for o in body.operations for a in o.operands)
+    uses.update(body.results)
+    products = {
+        o.results[0]: o
+        for o in body.operations
+        if o.kind is Kind.MULTIPLY and uses[o.results[0]] == 1 and not is_negation(o) and not is_doubling(o)
+    }
+    found: dict[int, Operation] = {}
+    for o in body.operations:
+        if o.kind in (Kind.ADD, Kind.SUBTRACT):
+            for a in reversed(o.operands):
+                if isinstance(a, int) and a in products:
+                    found[o.results[0]] = products[a]
+                    break
+    return found
+
+
 def is_negation(operation: Operation) -> bool:
     """Whether an operation is ``-1 * a``."""
     return operation.kind is Kind.MULTIPLY and MINUS_ONE in operation.operands

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from saoflow.targets.instructions import Instruction, Machine
-from saoflow.targets.target import Target, Timing
+from saoflow.targets.instructions import Instruction
+from saoflow.targets.target import Target
 
 
 def cycles(instructions: Sequence[Instruction], target: Target, real: int) -> int:
     """Cycles from the first issue until every result is there, reals of ``real`` bits (64 or 32)."""
-    timings: dict[Machine, Timing] = {kind: target.timing(kind, real) for kind in Machine}
+    timings = {kind: target.timing(kind, real) for kind in target.kinds()}
     ready: dict[int, int] = {}
     free: dict[str, list[int]] = {unit: [0] * count for unit, count in target.units.items()}
     now = issued = end = 0

@@ -2,8 +2,7 @@
 
 Registers are given in the order of the operations; where there are too few, the value whose next use is farthest goes
 (Belady 1966), to memory if it is not there yet. Constants, inputs, results of calls and parameters beyond the registers
-of the calling convention lie in memory until used. A compiler that schedules before it allocates moves more: the
-measured share ``spill`` says how much.
+of the calling convention lie in memory until used. A compiler that schedules before it allocates moves a little more.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from saoflow.operations import Atom, Kind, Literal, Table
 from saoflow.scheduler.program import Operation, ProgramBody
 from saoflow.targets.instructions import Instruction, Machine, Stream
 from saoflow.targets.operation_form import emit_operation
-from saoflow.targets.peephole import folded_negations, is_doubling, is_negation
+from saoflow.targets.peephole import chained_products, folded_negations, is_doubling, is_negation
 from saoflow.targets.target import InstructionSet
 
 NEVER = 1 << 60
@@ -34,6 +33,9 @@ class _Allocation:
         self.shares = isa.shares["registers"]
         self.stream = Stream()
         self.folded = folded_negations(body)
+        self.chained = chained_products(body) if isa.multiply_add else {}
+        self.taken_up = {o.results[0] for o in self.chained.values()}
+        """Products that a sum computes on the way."""
         self.negated = {o.results[0]: _other(o) for o in body.operations if o.results and o.results[0] in self.folded}
         self.number: dict[Atom, int] = {}
         """What is in a register: the number that the stream knows it by."""
@@ -59,7 +61,7 @@ class _Allocation:
             elif o.kind is Kind.READ:
                 self._define(o.results[0], self._load(o.results[0]), k)
                 self.memory.add(o.results[0])
-            elif o.results[0] not in self.folded:
+            elif o.results[0] not in self.folded and o.results[0] not in self.taken_up:
                 self._compute(k, o)
         self._leave()
         return self.stream.instructions
@@ -95,17 +97,29 @@ class _Allocation:
     # -- operations
 
     def _operands(self, o: Operation) -> tuple[Atom, ...]:
-        if o.results and o.results[0] in self.folded:
+        if o.results and (o.results[0] in self.folded or o.results[0] in self.taken_up):
             return ()
+        if o.results and o.results[0] in self.chained:
+            product = self.chained[o.results[0]]
+            rest = [self._plain(a) for a in o.operands if a != product.results[0]]
+            return (*rest, *(self._plain(a) for a in product.operands))
         if is_negation(o) or is_doubling(o):
             return (_other(o),)
-        found = tuple(self.negated.get(a, a) if isinstance(a, int) else a for a in o.operands)
+        found = tuple(self._plain(a) for a in o.operands)
         return (Literal(1.0), *found) if o.kind is Kind.RECIPROCAL else found
+
+    def _plain(self, a: Atom) -> Atom:
+        return self.negated.get(a, a) if isinstance(a, int) else a
 
     def _compute(self, k: int, o: Operation) -> None:
         atoms = self._operands(o)
         operands = [self._in_register(a, k, set(atoms)) for a in atoms]
-        number = emit_operation(self.stream, o, operands, self.shares, self.tables)
+        if o.results[0] in self.chained:
+            if self._next(atoms[0], k) < NEVER:  # the addend is overwritten
+                operands[0] = self.stream.emit(Machine.MOVE, operands[0])
+            number = self.stream.emit(Machine.MULTIPLY_ADD, *operands)
+        else:
+            number = emit_operation(self.stream, o, operands, self.shares, self.tables)
         self._define(o.results[0], number, k)
 
     def _call(self, k: int, o: Operation) -> None:

@@ -47,8 +47,6 @@ class Shares:
     """Of each step of the search."""
     call: float
     """Of a call beside its arguments and results: link, stack, addresses."""
-    spill: float
-    """Moves to and from memory that a compiler makes, to those of the model's allocation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +62,10 @@ class InstructionSet:
     """How many reals a call passes in registers."""
     literal: int
     """Integer instructions that form the address of a constant, before its load."""
+    reach: tuple[int, ...]
+    """Bytes of stack that a load reaches without, with one, ... instructions that form its address."""
+    multiply_add: bool
+    """Whether a product and a sum, each rounded, are one instruction."""
     shares: Mapping[str, Shares]
     """By form: ``memory`` and ``registers``."""
     source: str
@@ -86,8 +88,12 @@ class Target:
     notes: tuple[str, ...]
 
     def timing(self, kind: Machine, real: int) -> Timing:
-        """Latency and interval of a kind of instruction, for reals of ``real`` bits."""
+        """Latency and interval of a kind of instruction that the target has, for reals of ``real`` bits."""
         return self.timings[kind, real]
+
+    def kinds(self) -> tuple[Machine, ...]:
+        """The kinds of instruction that the target has."""
+        return tuple(kind for kind in Machine if (kind, 64) in self.timings)
 
 
 @lru_cache(maxsize=1)
@@ -124,6 +130,8 @@ def _instruction_set(name: str, entry: Mapping[str, Any]) -> InstructionSet:
         entry["preserved"],
         entry["arguments"],
         entry["literal"],
+        tuple(entry["reach"]),
+        bool(entry["multiply_add"]),
         shares,
         entry["source"],
         entry["calibrated"],
@@ -136,6 +144,7 @@ def _target(name: str, entry: Mapping[str, Any], sets: Mapping[str, InstructionS
         (kind, real): _timing(entry["timings"][kind.value], kind, "double" if real == 64 else "single")
         for kind in Machine
         for real in (64, 32)
+        if kind.value in entry["timings"]
     }
     return Target(
         name,

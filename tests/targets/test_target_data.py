@@ -28,7 +28,7 @@ store 64       1/1     2/1     3/1     3/1     0/1        8/1
 
 
 def test_numbers_are_those_published() -> None:
-    head, *rows = [line for line in PUBLISHED.strip().splitlines()]
+    head, *rows = PUBLISHED.strip().splitlines()
     names = head.split()[1:]
     for row in rows:
         kind, real, *cells = row.split()
@@ -41,7 +41,7 @@ def test_every_timing_clock_and_width_has_a_source() -> None:
     for target in targets().values():
         assert target.clock_source and target.issue_source
         for kind in Machine:
-            for real in (32, 64):
+            for real in (32, 64) if kind in target.kinds() else ():
                 assert target.timing(kind, real).source, (target.name, kind)
 
 
@@ -50,7 +50,7 @@ def test_sources_are_named_at_the_head_of_the_file() -> None:
     known = ("gcc 7xx", "gcc e300", "gcc e500mc", "gcc m7", "gcc r4f", "gcc r4", "llvm e500", "llvm e500mc", "llvm m7")
     assert all(name in head for name in known)
     for target in targets().values():
-        for kind in Machine:
+        for kind in target.kinds():
             source = target.timing(kind, 64).source
             assert source.startswith(known), (target.name, kind, source)
 
@@ -58,7 +58,9 @@ def test_sources_are_named_at_the_head_of_the_file() -> None:
 def test_no_key_of_the_file_is_left_unread() -> None:
     data: dict[str, Any] = tomllib.loads(DATA.read_text(encoding="utf-8"))
     for entry in data["targets"].values():
-        assert set(entry["timings"]) == {kind.value for kind in Machine}
+        chained = data["instruction_sets"][entry["instruction_set"]]["multiply_add"]
+        left_out = set() if chained else {Machine.MULTIPLY_ADD.value}
+        assert set(entry["timings"]) == {kind.value for kind in Machine} - left_out
         assert entry["instruction_set"] in data["instruction_sets"]
         assert set(entry) <= {
             "title", "instruction_set", "clock_mhz", "clock_source", "issue_width", "issue_source", "units", "notes",
