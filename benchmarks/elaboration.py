@@ -7,6 +7,7 @@ lowered; each size several times, the median of the processor time taken, and an
 from __future__ import annotations
 
 import argparse
+import itertools
 import statistics
 import tempfile
 import time
@@ -36,7 +37,7 @@ def measure(path: Path) -> list[float]:
     for stage in ("netlist", "schedule", "frame_program"):
         getattr(sheet, stage)
         marks.append(time.process_time())
-    return [b - a for a, b in zip(marks, marks[1:], strict=False)]
+    return [b - a for a, b in itertools.pairwise(marks)]
 
 
 def main() -> None:
