@@ -97,9 +97,8 @@ def svg(figure: Figure, name: str, label: str) -> str:
     # The page's font, and no size but that of the page's width.
     text = re.sub(r"font: ([\d.]+px) [^;\"]*", r"font-size: \1", text)
     text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
-    text = re.sub(
-        r'(<svg [^>]*?)width="[^"]*"', rf'\1width="100%" role="img" aria-label="{escape(label)}"', text, count=1
-    )
+    frame = f'width="100%" role="img" aria-label="{escape(label)}"'
+    text = re.sub(r'(<svg [^>]*?)width="[^"]*"', lambda match: match[1] + frame, text, count=1)
     for role, colour in LIGHT.items():
         text = text.replace(colour, f"var(--{role})")
     return text
