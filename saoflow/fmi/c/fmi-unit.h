@@ -29,6 +29,7 @@ typedef struct {
     uint64_t check;
 } Seal;
 
+/* Tells the importer why a call fails. Messages hold no percent sign: they may be taken for a format. */
 static void report(const Unit *unit, const char *message);
 static void *claim(const Callbacks *callbacks, size_t size);
 static void release(const Callbacks *callbacks, void *memory);
@@ -199,7 +200,11 @@ static bool fits(const Unit *unit, const uint32_t references[], size_t count, si
     size_t needed = 0u;
     size_t i;
     for (i = 0u; i < count; ++i) {
-        needed += references[i] < modelVariableCount ? modelVariables[references[i]].count : 0u;
+        const Variable *variable = variableOf(unit, references[i], kindReal | kindBoolean | kindConstant | kindTime);
+        if (variable == NULL) {
+            return false;
+        }
+        needed += variable->count;
     }
     if (needed == values) {
         return true;

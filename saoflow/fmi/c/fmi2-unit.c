@@ -24,8 +24,7 @@ static void report(const Unit *unit, const char *message)
 {
     const fmi2CallbackFunctions *functions = unit->callbacks.functions;
     if (functions->logger != NULL) {
-        functions->logger(functions->componentEnvironment, unit->callbacks.name, fmi2Error, "logStatusError", "%s",
-                          message);
+        functions->logger(functions->componentEnvironment, unit->callbacks.name, fmi2Error, "logStatusError", message);
     }
 }
 
@@ -103,8 +102,7 @@ FMI2(fmi2Component, fmi2Instantiate,
     }
     if (problem != NULL) {
         if (functions->logger != NULL) {
-            functions->logger(functions->componentEnvironment, callbacks.name, fmi2Error, "logStatusError", "%s",
-                              problem);
+            functions->logger(functions->componentEnvironment, callbacks.name, fmi2Error, "logStatusError", problem);
         }
         return NULL;
     }

@@ -382,10 +382,10 @@ FMI3(fmi3Status, fmi3DoStep,
 
 /* ---- what the unit does not offer, as its description says */
 
-#define MODE_NOT_OFFERED(function)                                                \
-    FMI3(fmi3Status, function, (fmi3Instance instance))                           \
-    {                                                                             \
-        return refuse(instance, #function ": the unit has no event or configuration mode, no clocks"); \
+#define MODE_NOT_OFFERED(function)                                                            \
+    FMI3(fmi3Status, function, (fmi3Instance instance))                                       \
+    {                                                                                         \
+        return refuse(instance, #function ": the unit has no mode but initialization and step"); \
     }
 
 MODE_NOT_OFFERED(fmi3EnterEventMode)
@@ -393,6 +393,7 @@ MODE_NOT_OFFERED(fmi3EnterStepMode)
 MODE_NOT_OFFERED(fmi3EnterConfigurationMode)
 MODE_NOT_OFFERED(fmi3ExitConfigurationMode)
 MODE_NOT_OFFERED(fmi3EvaluateDiscreteStates)
+MODE_NOT_OFFERED(fmi3EnterContinuousTimeMode)
 
 FMI3(fmi3Status, fmi3UpdateDiscreteStates,
      (fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
@@ -436,6 +437,49 @@ FMI3(fmi3Status, fmi3SetBinary,
     (void)values;
     (void)valueCount;
     return count == 0u ? fmi3OK : refuse(instance, "fmi3SetBinary: the unit has no binary variables");
+}
+
+/* Functions of model exchange, which every library exports. */
+#define NO_CONTINUOUS_STATES(function, type)                                             \
+    FMI3(fmi3Status, function, (fmi3Instance instance, type values[], size_t count))     \
+    {                                                                                    \
+        (void)values;                                                                    \
+        (void)count;                                                                     \
+        return refuse(instance, #function ": the unit is for co-simulation only");       \
+    }
+
+NO_CONTINUOUS_STATES(fmi3SetContinuousStates, const fmi3Float64)
+NO_CONTINUOUS_STATES(fmi3GetContinuousStates, fmi3Float64)
+NO_CONTINUOUS_STATES(fmi3GetContinuousStateDerivatives, fmi3Float64)
+NO_CONTINUOUS_STATES(fmi3GetNominalsOfContinuousStates, fmi3Float64)
+NO_CONTINUOUS_STATES(fmi3GetEventIndicators, fmi3Float64)
+
+FMI3(fmi3Status, fmi3GetNumberOfContinuousStates, (fmi3Instance instance, size_t *count))
+{
+    (void)count;
+    return refuse(instance, "fmi3GetNumberOfContinuousStates: the unit is for co-simulation only");
+}
+
+FMI3(fmi3Status, fmi3GetNumberOfEventIndicators, (fmi3Instance instance, size_t *count))
+{
+    (void)count;
+    return refuse(instance, "fmi3GetNumberOfEventIndicators: the unit is for co-simulation only");
+}
+
+FMI3(fmi3Status, fmi3CompletedIntegratorStep,
+     (fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
+      fmi3Boolean *terminateSimulation))
+{
+    (void)noSetFMUStatePriorToCurrentPoint;
+    (void)enterEventMode;
+    (void)terminateSimulation;
+    return refuse(instance, "fmi3CompletedIntegratorStep: the unit is for co-simulation only");
+}
+
+FMI3(fmi3Status, fmi3SetTime, (fmi3Instance instance, fmi3Float64 time))
+{
+    (void)time;
+    return refuse(instance, "fmi3SetTime: the unit is for co-simulation only");
 }
 
 /* Functions on clocks: one with one array of values, one with two. */
