@@ -60,9 +60,9 @@ def output(command: str, folder: Path) -> str:
     failing = command.endswith("2>&1")
     text, *filters = (part.strip() for part in command.removesuffix("2>&1").split("|"))
     program, *arguments = shlex.split(text)
-    start = {"saoflow": [sys.executable, "-m", "saoflow.cli"], "python": [sys.executable]}[program]
+    start = {"saoflow": [sys.executable, "-m", "saoflow.cli"], "python": [sys.executable], "grep": ["grep"]}[program]
     root = Path(__file__).parents[2]
-    arguments = [str(root / a) if a.startswith("benchmarks/") else a for a in arguments]
+    arguments = [str(root / a) if a.startswith(("benchmarks/", "docs/")) else a for a in arguments]
     environment = {**os.environ, "COLUMNS": "100", "PYTHONIOENCODING": "utf-8"}
     done = subprocess.run([*start, *arguments], cwd=folder, capture_output=True, encoding="utf-8", env=environment)
     if bool(done.returncode) != failing:
