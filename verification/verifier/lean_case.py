@@ -1,8 +1,8 @@
 """What cmhe_fte_lean computes in Step 3, against the reference: the window as information, and every pass of Algorithm 1.
 
 The lean sheets hold none of the paper's matrices, so the reference's A, C, f, r_y and Q_bar are brought into their
-form here (docs/lean.md). Wires from the ends of the window carry the unknown inputs as v = t_s u, with the sign of the
-second one turned.
+form here (docs/lean.md). The sheets count an unknown input in what it moves, v = f + t_s Delta u, with the sign of the
+second one turned, and divide the cost by kappa.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class WindowInformation:
     I: Array  # (3, 3, 3), alpha, W_x, W_z; in the first sample a_11 alpha for alpha
     I_V: Array  # (3,), V_g
     j: Array  # (3, 4), information vectors
-    f: Array  # (2, 4), with the signs of v
+    f0: Array  # (2, 4), v without unknown inputs
 
 
 def window_information(qp: QuadraticProgram, tuning: Tuning) -> WindowInformation:
@@ -44,13 +44,15 @@ def window_information(qp: QuadraticProgram, tuning: Tuning) -> WindowInformatio
     scale = np.array([1.0 / qp.A[0, 0, 0], 1.0, 1.0, 1.0])
     information[0] *= scale[:, None] * scale
     vector[0] *= scale
-    return WindowInformation(information[:, ALPHA_W[:, None], ALPHA_W], information[:, 1, 1], vector, SIGNS * qp.f)
+    return WindowInformation(
+        information[:, ALPHA_W[:, None], ALPHA_W], information[:, 1, 1], vector, SIGNS * (qp.f - tuning.t_s * qp.u)
+    )
 
 
 def lean_window(scales: Scales, tuning: Tuning) -> Iterator[Quantity]:
     """What a frame computes once of Step 3."""
     part, samples = "Step 3: quadratic program (42)", 3
-    x, u, v = scales.x, scales.u, tuning.t_s * scales.u
+    x = scales.x
     entries = x[ALPHA_W]
 
     def one(
@@ -62,12 +64,11 @@ def lean_window(scales: Scales, tuning: Tuning) -> Iterator[Quantity]:
         return lambda qp: get(window_information(qp, tuning))
 
     yield one("x, the point", tuple(f"step3.x_point[{i}]" for i in range(samples)), x, lambda qp: qp.x)
-    yield one("u, the point", tuple(f"step3.u_point[{i}]" for i in range(samples - 1)), u, lambda qp: qp.u)
+    yield one("u, the point", tuple(f"step3.u_point[{i}]" for i in range(samples - 1)), scales.u, lambda qp: qp.u)
     yield one("information", "step3.qp.I", 1.0 / (entries[:, None] * entries), information(lambda w: w.I))
     yield one("information on V_g", "step3.qp.I_V", 1.0 / x[1] ** 2, information(lambda w: w.I_V))
     yield one("information vectors", "step3.qp.j", 1.0 / x, information(lambda w: w.j))
-    yield one("f", "step3.qp.f", x, information(lambda w: w.f))
-    yield one("j_v", "step3.j_v", 1.0 / v, lambda qp: SIGNS * qp.r_u / (tuning.t_s * tuning.Q))
+    yield one("f0", "step3.qp.f0", x, information(lambda w: w.f0))
     yield one("1/a_11, first", "step3.qp.per_a_11", 1.0, lambda qp: 1.0 / qp.A[0, 0, 0])
     yield one("a_21/a_11, first", "step3.qp.a_V", x[1] / x[0], lambda qp: qp.A[0, 1, 0] / qp.A[0, 0, 0])
     yield one("a_11", "step3.qp.a_11", 1.0, lambda qp: qp.A[:, 0, 0])
@@ -102,13 +103,16 @@ def lean_pass(scales: Scales, tuning: Tuning, number: int, count: int) -> Iterat
 
     variances = tuple(f"{path}v_information[{i}].T" for i in range(2))
     yield Quantity(
-        Compared("t_s^2 Q_bar (46f)", variances, (t_s * u) ** 2, part=part, after=number, repeat=repeat),
-        lambda s: t_s**2 * s.passes[number].Q_bar,
+        Compared("kappa t_s^2 Q_bar (46f)", variances, (t_s * u) ** 2, part=part, after=number, repeat=repeat),
+        lambda s: s.trace.iterations[number].kappa * t_s**2 * s.passes[number].Q_bar,
     )
     yield one("direction of x", path + "direction_x", x, lambda i: i.direction_x)
     yield one("direction of u", path + "direction_u", u, lambda i: i.direction_u)
-    yield one("v", path + "search.v", 1.0, lambda i: i.v)
+    yield one("reach", path + "search.v", 1.0, lambda i: i.v)
     if number < count - 1:
         moved = tuple(f"step3.ip[{number}].moved[{i}].next" for i in range(5))
         yield one("dx", moved[:3], x, lambda i: i.dx, after=number + 1)
-        yield one("t_s du", moved[3:], t_s * u, lambda i: SIGNS * t_s * i.du, after=number + 1)
+        yield Quantity(
+            Compared("v", moved[3:], t_s * u, part=part, after=number + 1, repeat=repeat),
+            lambda s: SIGNS * (s.trace.qp.f + t_s * s.trace.iterations[number].du),
+        )
