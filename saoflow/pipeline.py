@@ -140,7 +140,15 @@ def load(name: str, parameters: Mapping[str, Any] | None = None) -> LoadedSheet:
     """
     store = SheetStore()
     sheet = store.open(str(name))
-    given = {key: quantity_of(key, value) for key, value in (parameters or {}).items()}
+    given: dict[str, Quantity] = {}
+    refused: list[Diagnosis] = []
+    for key, value in (parameters or {}).items():
+        try:
+            given[key] = quantity_of(key, value)
+        except DiagnosisError as error:
+            refused += error.diagnoses
+    if refused:
+        raise DiagnosisError(refused)
     return LoadedSheet(sheet, store, given)
 
 
@@ -150,15 +158,17 @@ def quantity_of(name: str, value: Any) -> Quantity:
         return evaluate(parse_expression(value, Position(f"--set {name}", 1, 1, len(value)), value), {}, (value,))
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
+        array = np.array(np.nan)
+    if not array.size or not np.isfinite(array).all():
         raise DiagnosisError(
             [
                 Diagnosis(
                     "E603",
-                    f"parameter `{name}` cannot be {value!r}",
-                    cause="it is no number or rectangular list of numbers",
+                    f"parameter `{name}` cannot be {value!r:.60}",
+                    cause="it is no finite number or rectangular list of such numbers",
                     remedy="give a number, a list, or text such as 2*pi",
                 )
             ]
-        ) from None
+        )
     return Quantity(array, None)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from saoflow import load
+from saoflow import DiagnosisError, load
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagrams.netlist import flat_nodes
 from saoflow.recording import column_names, read_frames, read_table
@@ -43,3 +43,15 @@ def test_the_corpus_uses_every_symbol() -> None:
         node.symbol.name for path in SHEETS for _, node, _ in flat_nodes(load(str(path)).netlist.root) if node.symbol
     }
     assert used == set(SYMBOLS)
+
+
+def test_parameters_from_python_are_checked_all_at_once() -> None:
+    path = str(GOOD / "first_order_lag.yaml")
+    for value in (0.25, "1/4", np.float32(0.25)):
+        assert load(path, {"gain": value}).simulator().run({"u": [1.0]})["y"].tolist() == [0.25]
+    given = {"gain": np.nan, "a": None, "b": [[1, 2], [3]], "c": "1/0", "d": object(), "e": [], "f": 10**400}
+    with pytest.raises(DiagnosisError) as caught:
+        load(path, given)
+    assert [d.code for d in caught.value.diagnoses] == ["E603", "E603", "E603", "E209", "E603", "E603", "E603"]
+    with pytest.raises(DiagnosisError, match="did you mean `gain`"):
+        load(path, {"gian": 1}).check()
