@@ -1,0 +1,1 @@
+"""Is the generated C clean? Warnings, sanitizers, valgrind, MISRA, what the object file holds, and its stack."""
