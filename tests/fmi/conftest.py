@@ -31,5 +31,3 @@ def instance(unit: Unit, tmp_path: Path) -> Iterator[Importer]:
     importer = Importer(unit, tmp_path)
     yield importer
     importer.close()
-
-

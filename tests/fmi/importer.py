@@ -13,6 +13,7 @@ import pytest
 from saoflow.fmi import Unit, write_unit
 
 fmpy = pytest.importorskip("fmpy")
+pytest.importorskip("fmpy.validation")  # not imported by fmpy itself
 
 Arrays = dict[str, np.ndarray]
 

@@ -50,9 +50,7 @@ def test_saved_and_restored(instance: Importer, mixed: LoadedSheet) -> None:
     call(instance, "freeFMUState")(state)
 
 
-def test_serialised_into_another_instance(
-    unit: Unit, instance: Importer, mixed: LoadedSheet, tmp_path: Path
-) -> None:
+def test_serialised_into_another_instance(unit: Unit, instance: Importer, mixed: LoadedSheet, tmp_path: Path) -> None:
     inputs = random_inputs(30)
     expected = mixed.simulator().run(inputs)
     instance.initialize()

@@ -193,28 +193,6 @@ static bool settable(const Unit *unit, const Variable *variable, uint32_t refere
     return false;
 }
 
-/* Whether so many values belong to these variables. */
-static bool fits(const Unit *unit, const uint32_t references[], size_t count, size_t values)
-{
-    char message[MESSAGE_LENGTH];
-    size_t needed = 0u;
-    size_t i;
-    for (i = 0u; i < count; ++i) {
-        const Variable *variable = variableOf(unit, references[i], kindReal | kindBoolean | kindConstant | kindTime);
-        if (variable == NULL) {
-            return false;
-        }
-        needed += variable->count;
-    }
-    if (needed == values) {
-        return true;
-    }
-    (void)snprintf(message, sizeof message, "%lu values are given or asked for, the variables hold %lu",
-                   (unsigned long)values, (unsigned long)needed);
-    report(unit, message);
-    return false;
-}
-
 static const void *placeOf(const Unit *unit, const Variable *variable)
 {
     return (const char *)&unit->memory + variable->offset;

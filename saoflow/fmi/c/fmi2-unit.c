@@ -14,7 +14,6 @@
 typedef struct {
     const fmi2CallbackFunctions *functions;
     char name[NAME_LENGTH]; /* of the instance, for messages */
-    bool logging;
 } Callbacks;
 
 #include "fmi-model.h"
@@ -71,13 +70,10 @@ FMI2(const char *, fmi2GetVersion, (void))
 FMI2(fmi2Status, fmi2SetDebugLogging,
      (fmi2Component component, fmi2Boolean loggingOn, size_t count, const fmi2String categories[]))
 {
+    (void)loggingOn; /* refusals are always logged; there is nothing else to log */
     (void)count;
     (void)categories;
-    if (component == NULL) {
-        return fmi2Error;
-    }
-    ((Unit *)component)->callbacks.logging = loggingOn != 0;
-    return fmi2OK;
+    return status(component != NULL);
 }
 
 FMI2(fmi2Component, fmi2Instantiate,
@@ -88,12 +84,12 @@ FMI2(fmi2Component, fmi2Instantiate,
     const char *problem = NULL;
     (void)resources;
     (void)visible;
+    (void)loggingOn;
     if (functions == NULL) {
         return NULL;
     }
     memset(&callbacks, 0, sizeof callbacks);
     callbacks.functions = functions;
-    callbacks.logging = loggingOn != 0;
     (void)snprintf(callbacks.name, sizeof callbacks.name, "%s", instanceName != NULL ? instanceName : "");
     if (type != fmi2CoSimulation) {
         problem = "the unit is for co-simulation only";

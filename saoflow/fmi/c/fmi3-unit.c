@@ -10,7 +10,6 @@
 typedef struct {
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
-    bool logging;
 } Callbacks;
 
 #include "fmi-model.h"
@@ -58,13 +57,10 @@ FMI3(const char *, fmi3GetVersion, (void))
 FMI3(fmi3Status, fmi3SetDebugLogging,
      (fmi3Instance instance, fmi3Boolean loggingOn, size_t count, const fmi3String categories[]))
 {
+    (void)loggingOn; /* refusals are always logged; there is nothing else to log */
     (void)count;
     (void)categories;
-    if (instance == NULL) {
-        return fmi3Error;
-    }
-    ((Unit *)instance)->callbacks.logging = loggingOn;
-    return fmi3OK;
+    return status(instance != NULL);
 }
 
 FMI3(fmi3Instance, fmi3InstantiateCoSimulation,
@@ -78,13 +74,13 @@ FMI3(fmi3Instance, fmi3InstantiateCoSimulation,
     (void)instanceName;
     (void)resources;
     (void)visible;
+    (void)loggingOn;
     (void)earlyReturnAllowed;
     (void)intermediate;
     (void)update;
     memset(&callbacks, 0, sizeof callbacks);
     callbacks.environment = environment;
     callbacks.log = log;
-    callbacks.logging = loggingOn;
     if (!sameToken(token)) {
         problem = "the token is not that of this unit: modelDescription.xml and binary do not belong together";
     } else if (eventModeUsed || intermediateCount != 0u) {
@@ -183,6 +179,28 @@ FMI3(fmi3Status, fmi3Reset, (fmi3Instance instance))
 }
 
 /* ---- values: elements of arrays one after another, rows first */
+
+/* Whether so many values belong to these variables. */
+static bool fits(const Unit *unit, const uint32_t references[], size_t count, size_t values)
+{
+    char message[MESSAGE_LENGTH];
+    size_t needed = 0u;
+    size_t i;
+    for (i = 0u; i < count; ++i) {
+        const Variable *variable = variableOf(unit, references[i], kindReal | kindBoolean | kindConstant | kindTime);
+        if (variable == NULL) {
+            return false;
+        }
+        needed += variable->count;
+    }
+    if (needed == values) {
+        return true;
+    }
+    (void)snprintf(message, sizeof message, "%lu values are given or asked for, the variables hold %lu",
+                   (unsigned long)values, (unsigned long)needed);
+    report(unit, message);
+    return false;
+}
 
 /* The kinds of variable that fmi3GetFloat64 and fmi3GetFloat32 know. */
 #define KINDS_64 (kindConstant | kindTime | (sizeof(ModelReal) == sizeof(fmi3Float64) ? kindReal : 0))
