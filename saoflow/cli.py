@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
 
-BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "show", "symbols", "fmu")}
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "build", "show", "symbols", "fmu")}
 GROUP = "saoflow.commands"
-ORDER = ("demo", "check", "run", "budget", "verify", "fly", "show", "symbols")
+ORDER = ("demo", "check", "run", "budget", "verify", "build", "fly", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
 
 Command = Callable[..., Any]

@@ -72,6 +72,7 @@ CODES: dict[str, str] = {
     "E607": "the backend is not available",
     "E608": "no such target",
     "E609": "the command line cannot be understood",
+    "E610": "the sheet is too large for the stack",
     "W607": "another backend, or another cache, than asked for",
     "E699": "an error inside saoflow",
 }

@@ -19,6 +19,7 @@ from saoflow.codegen.tree import (
     Declare,
     DeclareArray,
     Define,
+    Directive,
     Do,
     Element,
     Expression,
@@ -73,6 +74,14 @@ def native_file(program: FrameProgram, lanes: int = 0) -> File:
     return _Generator(program, About("", "", ()), dialect).native()
 
 
+CONTRACTION = (
+    Directive("if defined(__clang__)"),
+    Directive("pragma STDC FP_CONTRACT OFF"),
+    Directive("endif"),
+)
+"""gcc has no such pragma, and warns of it: there the flag does it."""
+
+
 class _Generator:
     def __init__(self, program: FrameProgram, about: About, dialect: Dialect) -> None:
         self.program = program
@@ -84,22 +93,26 @@ class _Generator:
         fields = Names()
         outputs = Names()
         ports = (*program.outputs, *program.probes)
-        self.interface = Interface(
-            prefix,
-            self.real,
-            self.names.make(f"{prefix}_input", "input"),
-            self.names.make(f"{prefix}_output", "output"),
-            self.names.make(f"{prefix}_state", "state"),
-            self.names.make(f"{prefix}_init", "init"),
-            self.names.make(f"{prefix}_step", "step"),
-            tuple(fields.make(p.name, f"in{i}") for i, p in enumerate(program.inputs)),
-            tuple(outputs.make(p.name, f"out{i}") for i, p in enumerate(ports)),
-            _state_fields(program),
-        )
+        names = (self.names.make(f"{prefix}_{what}", what) for what in ("input", "output", "state", "init", "step"))
+        inputs, results, state, init, step = names
         self.tables = [self.names.make(f"{prefix}_t{i}", f"t{i}") for i in range(len(program.tables))]
         self.procedures = [
             self.names.make(f"{prefix[:8]}_p{i}_{body.name}", f"p{i}") for i, body in enumerate(program.procedures)
         ]
+        self.interface = Interface(
+            prefix,
+            self.real,
+            inputs,
+            results,
+            state,
+            init,
+            step,
+            tuple(fields.make(p.name, f"in{i}") for i, p in enumerate(program.inputs)),
+            tuple(outputs.make(p.name, f"out{i}") for i, p in enumerate(ports)),
+            _state_fields(program),
+            tuple(self.procedures),
+            tuple(self.tables),
+        )
         self.slots = {
             f.first + k: Element(Field("state", f.name), Integer(k, True))
             for f in self.interface.states
@@ -110,7 +123,7 @@ class _Generator:
         face = self.interface
         comment = "\n".join([self.about.doc, *self.about.lines, f"Sheets: sha256 {self.about.sheet_hash}."])
         header = File(f"{face.prefix}.h", comment, self._header_items(), f"{face.prefix.upper()}_H")
-        items: list[Item] = [Include(header.name), *self._frame(), self._init(), self._step()]
+        items: list[Item] = [Include(header.name), *CONTRACTION, *self._frame(), self._init(), self._step()]
         return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)
 
     def native(self) -> File:

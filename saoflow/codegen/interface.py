@@ -31,3 +31,6 @@ class Interface:
     """Field names, in the order of the ports."""
     outputs: tuple[str, ...]
     states: tuple[StateField, ...]
+    procedures: tuple[str, ...]
+    """Function names, in the order of the program's procedures."""
+    tables: tuple[str, ...]

@@ -35,6 +35,7 @@ from saoflow.codegen.tree import (
     Return,
     Statement,
     Struct,
+    Text,
     Trace,
     TypeAlias,
     Variable,
@@ -205,6 +206,9 @@ def expression(node: Expression) -> str:
             return f"&{_operand(node.operand)}"
         case Member():
             return f"{_operand(node.base)}.{node.name}"
+        case Text():
+            lines = [safe(line).replace('"', "'") for line in node.value.split("\n")]
+            return '"' + "\\n".join(lines) + '"'
         case Compound():
             return f"({node.type}){{{', '.join(expression(v) for v in node.values)}}}"
         case Cast():

@@ -103,6 +103,13 @@ class Cast:
 
 
 @dataclass(frozen=True, slots=True)
+class Text:
+    """A string literal of printable ASCII."""
+
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
 class Compound:
     """``(type){value, ...}``."""
 
@@ -124,6 +131,7 @@ Expression = (
     | Member
     | Cast
     | Compound
+    | Text
 )
 
 # -- statements

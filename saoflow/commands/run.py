@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -100,7 +101,11 @@ def _simulator(
         print_budget(budget, console(stderr=True))
         tell(findings.found)
         raise typer.Exit(exit_code(findings.found))
-    simulator = findings.attempt(lambda: sheet.simulator(backend, real=real, probes=probes, exact=exact))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulator = findings.attempt(lambda: sheet.simulator(backend, real=real, probes=probes, exact=exact))
+    # Backend `c` says so when something else does the work.
+    findings.extend(warning.message.diagnosis for warning in caught if hasattr(warning.message, "diagnosis"))
     if simulator is not None:
         for twin in {port.name for port in simulator.program.outputs} & set(probes):
             findings.add(

@@ -137,6 +137,11 @@ class SourceLines:
         """The text of a file; nothing if it was not read."""
         return self._lines.get(file, ())
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Every file that was read."""
+        return tuple(self._lines)
+
     def line(self, position: Position | None) -> str | None:
         """The line at a position, if its file was read."""
         if position is None or position.file not in self._lines:

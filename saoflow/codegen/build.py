@@ -1,0 +1,228 @@
+"""``saoflow build``: a folder of C99 with its self-check, its README and its trace, whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from saoflow.codegen.generate import About, Code, generate
+from saoflow.codegen.printer import Printed, print_file
+from saoflow.codegen.readme import readme
+from saoflow.codegen.self_check import exercise, self_check_file
+from saoflow.codegen.stack import describe, measured_stack, stack_bound
+from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.diagrams.netlist import SourceLines
+from saoflow.operations import COUNTED_KINDS
+from saoflow.pipeline import LoadedSheet
+from saoflow.scheduler.counts import count
+from saoflow.scheduler.simulator import Simulator
+
+GENERATOR = "saoflow build"
+TRACE = "trace.json"
+MOST_STACK = 1 << 20
+"""Bytes of stack that a frame may take, as gcc -O0 lays it out (or as calculated, without gcc)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What was written."""
+
+    sheet: str
+    folder: str
+    files: tuple[str, ...]
+    real: int
+    sheet_hash: str
+    kinds: Mapping[str, int]
+    stack: Mapping[str, int | None]
+    stack_bound: int
+    frames_checked: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """The machine-readable form."""
+        return {
+            "sheet": self.sheet,
+            "folder": self.folder,
+            "files": list(self.files),
+            "real": self.real,
+            "sha256": self.sheet_hash,
+            "operations": sum(self.kinds.values()),
+            "kinds": dict(self.kinds),
+            "stack": dict(self.stack),
+            "stack_bound": self.stack_bound,
+            "frames_checked": self.frames_checked,
+        }
+
+    def __str__(self) -> str:
+        frame = f"{sum(self.kinds.values())} operations a frame in binary{self.real}"
+        return (
+            f"{self.sheet}: {', '.join(self.files)} in {self.folder}\n{frame}; "
+            f"stack: {describe(self.stack, self.stack_bound)}"
+        )
+
+
+def build(sheet: LoadedSheet, folder: str | Path, real: int = 64, inputs: Mapping[str, Any] | None = None) -> Built:
+    """Write the C of a sheet to a folder. ``inputs``: what the self-check runs, arrays as of :meth:`Simulator.run`.
+
+    Raises DiagnosisError E401 (over budget), E601 (the folder is not ours, or cannot be written), E610 (stack).
+    """
+    place = Path(folder)
+    check_folder(place)
+    sheet.budget().raise_if_over()
+    program = sheet.program(real)
+    kinds = {kind: n for kind, n in count(program).kinds.items() if n}
+    ordered = {kind: kinds[kind] for kind in COUNTED_KINDS if kind in kinds}
+    sheet_hash = hash_of(sheet.netlist.sources)
+    doc = "\n".join(_wrapped(sheet.netlist.root.structure.doc))
+    code = generate(program, About(doc, sheet_hash, _facts(sheet, real, ordered)))
+    simulator = Simulator(program)
+    given = dict(inputs) if inputs is not None else exercise(program)
+    frames = len(next(iter(given.values()))) if given else 8
+    outputs = simulator.run(given or {"frames": np.zeros(frames)})
+    check = self_check_file(program, code.interface, given, outputs)
+    printed = [print_file(file) for file in (code.source, code.header, check)]
+    with _whole_folder(place) as work:
+        for file in printed:
+            (work / file.name).write_text(file.text, encoding="ascii")
+        stack = {level: measured_stack(program, code.interface, work, level) for level in ("-O0", "-O2")}
+        bound = stack_bound(program)
+        _check_stack(sheet.name, stack["-O0"], bound)
+        names = (*(file.name for file in printed), "README.md", TRACE)
+        built = Built(sheet.name, str(place), names, real, sheet_hash, ordered, stack, bound, frames)
+        (work / "README.md").write_text(readme(code, program, built.kinds, describe(stack, bound)), encoding="utf-8")
+        trace = _trace(sheet, code, printed[0], sheet_hash, names)
+        (work / TRACE).write_text(json.dumps(trace, indent=1), encoding="utf-8")
+    return built
+
+
+def hash_of(sources: SourceLines) -> str:
+    """SHA-256 of the text of every sheet that was read: of each file's name and lines, in order of name and text."""
+    total = hashlib.sha256()
+    for name, text in sorted((Path(file).name, "\n".join(sources.lines(file))) for file in sources.files):
+        total.update(f"{name}\0{len(text)}\0{text}\0".encode("utf-8", "surrogateescape"))
+    return total.hexdigest()
+
+
+def _facts(sheet: LoadedSheet, real: int, kinds: Mapping[str, int]) -> tuple[str, ...]:
+    report = sheet.budget()
+    parameters = ", ".join(f"{name} = {value}" for name, value in sheet.netlist.parameters)
+    limits = ", ".join(f"{line.kind} {line.limit:g}" for line in report.lines if line.limit is not None)
+    lines = (
+        "",
+        f"Sheet {sheet.name}, reals of {real} bits. Made by saoflow; do not edit.",
+        *((f"Parameters: {parameters}.",) if parameters else ()),
+        f"Operations a frame: {sum(kinds.values())} ({', '.join(f'{kind} {n}' for kind, n in kinds.items())}).",
+        f"Budget a frame: {limits or 'none stated'}.",
+        *((f"Frame period: {report.period:g} s.",) if report.period is not None else ()),
+        "Compile without contraction or reassociation: -std=c99 -ffp-contract=off, never -ffast-math.",
+    )
+    return tuple(part for line in lines for part in _wrapped(line))
+
+
+def _wrapped(text: str) -> list[str]:
+    """A comment's line as lines of a page's width."""
+    return textwrap.wrap(" ".join(text.split()), 110, subsequent_indent="  ") or [""]
+
+
+def _check_stack(name: str, measured: int | None, bound: int) -> None:
+    taken = bound if measured is None else measured
+    if taken > MOST_STACK:
+        how = "calculated, as there is no gcc to measure it" if measured is None else "as gcc -O0 lays it out"
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E610",
+                    f"a frame of `{name}` is too large for the stack: {taken} bytes, {MOST_STACK} allowed",
+                    cause=f"every wire of a sheet is a local variable ({how})",
+                    remedy="use a sheet with state, a fold or a map less wide, or smaller matrices",
+                )
+            ]
+        )
+
+
+def _trace(sheet: LoadedSheet, code: Code, source: Printed, sheet_hash: str, names: tuple[str, ...]) -> dict[str, Any]:
+    lines = []
+    back: dict[str, dict[str, list[int]]] = {}
+    for number, trace in source.traces:
+        lines.append({"line": number, "wire": trace.path, "file": trace.file, "sheet_line": trace.line})
+        back.setdefault(trace.file, {}).setdefault(str(trace.line), []).append(number)
+    return {
+        "generator": GENERATOR,
+        "sheet": sheet.name,
+        "sha256": sheet_hash,
+        "written": list(names),
+        "source": source.name,
+        "step": code.interface.step,
+        "c_to_sheet": lines,
+        "sheet_to_c": back,
+    }
+
+
+# -- the folder
+
+
+def check_folder(place: Path) -> None:
+    """Raise DiagnosisError E601 unless the folder is new, empty, or was written by an earlier build."""
+    if not os.path.lexists(place):
+        return
+    if not place.is_dir():
+        raise _unwritable(place, "it is a file", "name a folder")
+    there = sorted(path.name for path in place.iterdir())
+    if there and _written(place) is None:
+        raise _unwritable(place, f"it holds other files: {', '.join(there[:4])}", "name a new or an empty folder")
+
+
+def _written(place: Path) -> list[str] | None:
+    """The files that an earlier build wrote there; None if none did."""
+    try:
+        trace = json.loads((place / TRACE).read_text(encoding="utf-8"))
+        written = trace["written"]
+        return written if trace["generator"] == GENERATOR and isinstance(written, list) else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+@contextlib.contextmanager
+def _whole_folder(place: Path) -> Any:
+    """A folder beside ``place`` that takes its place when all is written. What the user put beside our files stays."""
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        work = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.resolve().parent))
+    except OSError as error:
+        raise _unwritable(place, error.strerror or str(error), "name a folder that can be written") from None
+    try:
+        yield work
+        work.chmod(0o755)
+        _replace(work, place.resolve())
+    except OSError as error:
+        raise _unwritable(place, error.strerror or str(error), "name a folder that can be written") from None
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def _replace(work: Path, place: Path) -> None:
+    ours = set(_written(place) or ())
+    if not place.exists() or not any(place.iterdir()):
+        os.replace(work, place)
+        return
+    old = Path(tempfile.mkdtemp(prefix=f".{place.name}-old-", dir=place.parent))
+    os.replace(place, old)
+    os.replace(work, place)
+    for path in old.iterdir():
+        if path.name not in ours and not (place / path.name).exists():
+            os.replace(path, place / path.name)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _unwritable(place: Path, cause: str, remedy: str) -> DiagnosisError:
+    return DiagnosisError([Diagnosis("E601", f"`{place}` cannot be written", cause=cause, remedy=remedy)])
