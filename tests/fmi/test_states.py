@@ -58,7 +58,8 @@ def test_serialised_into_another_instance(unit: Unit, instance: Importer, mixed:
     state = call(instance, "getFMUState")()
     data = call(instance, "serializeFMUState")(state)
     call(instance, "freeFMUState")(state)
-    other = Importer(unit, tmp_path / "other") if (tmp_path / "other").mkdir() is None else instance
+    (tmp_path / "other").mkdir()
+    other = Importer(unit, tmp_path / "other")
     other.initialize()
     again = call(other, "deserializeFMUState")(data)
     call(other, "setFMUState")(again)
