@@ -2,24 +2,48 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
 from saoflow.diagnosis import Position, did_you_mean
 from saoflow.diagrams.connections import match, unconnected
 from saoflow.diagrams.expression_value import Quantity
+from saoflow.diagrams.netlist import Structure
 from saoflow.diagrams.operands import Operands
-from saoflow.diagrams.sheet import Connection, IterationDeclaration, Sheet
+from saoflow.diagrams.scope import Scope
+from saoflow.diagrams.sheet import Argument, Connection, IterationDeclaration, Named, Sheet
 
-if TYPE_CHECKING:
-    from saoflow.diagrams.structure import SheetBuilder
+
+class Placer(Protocol):
+    """The sheet that a fold or map stands in: what it can do for an instance."""
+
+    scope: Scope
+
+    def child(
+        self, sheet: Sheet, arguments: Sequence[Argument], used: Named, extra: Mapping[str, Quantity]
+    ) -> Structure | None:
+        """The structure of an instance, or None after a diagnosis."""
+        ...
+
+    def instantiate(
+        self,
+        path: str,
+        position: Position,
+        structure: Structure,
+        wires_by_port: dict[str, int],
+        positions: dict[str, Position],
+        outputs: dict[str, int],
+    ) -> None:
+        """Place an instance between its wires."""
+        ...
 
 
 class Iteration:
     """One fold or map of a sheet."""
 
-    def __init__(self, sheet: SheetBuilder, block: IterationDeclaration, target: Sheet) -> None:
+    def __init__(self, sheet: Placer, block: IterationDeclaration, target: Sheet) -> None:
         self.user = sheet
         self.scope = sheet.scope
         self.block = block
