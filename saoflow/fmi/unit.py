@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
 
 VERSIONS = (3, 2)
-_WRAPPER = {2: ("fmi2-api.h", "fmi2-unit.c"), 3: ("fmi3-api.h", "fmi3-unit.c")}
+_WRAPPER = {2: ("fmi2-api.h", "fmi2-unit.c"), 3: ("fmi3-api.h", "fmi3-unit.c", "fmi3-refusals.h")}
 _SHARED = ("fmi-memory.h", "fmi-unit.h")
 _DATE = (1980, 1, 1, 0, 0, 0)
 """Of every file in the archive: the same sheet gives the same bytes."""

@@ -175,3 +175,30 @@ def random_inputs(frames: int, seed: int = 1) -> Arrays:
     inputs["v"][1, 0] = np.inf
     inputs["P"][:, 0, 0] = -0.0
     return inputs
+
+
+def scalar_columns(arrays: Mapping[str, np.ndarray]) -> Arrays:
+    """Arrays by frame as columns, named as scalars are: ``P[1,2]``."""
+    columns = {}
+    for name, values in arrays.items():
+        for index in np.ndindex(values.shape[1:]):
+            element = f"[{','.join(str(i + 1) for i in index)}]" if index else ""
+            columns[f"{name}{element}"] = values[(slice(None), *index)]
+    return columns
+
+
+def simulated(path: Path, unit: Unit, inputs: Arrays, outputs: Mapping[str, np.ndarray]) -> Arrays:
+    """What fmpy records when it simulates a unit of scalars by itself, as columns; without the row before the first step."""
+    columns = scalar_columns(inputs)
+    booleans = {v.name for v in unit.variables if v.type == "Boolean"}
+    frames = len(next(iter(columns.values())))
+    kinds = [(name, np.bool_ if name in booleans else np.float64) for name in columns]
+    table = np.zeros(frames, dtype=[("time", np.float64), *kinds])
+    table["time"] = np.arange(frames) * unit.period
+    for name, values in columns.items():
+        table[name] = values
+    names = list(scalar_columns(outputs))
+    result = fmpy.simulate_fmu(
+        str(path), input=table, stop_time=frames * unit.period, output_interval=unit.period, output=names
+    )
+    return {name: result[name][1:].astype(np.float64) for name in names}

@@ -176,6 +176,7 @@ def test_the_same_bytes_each_time(mixed: LoadedSheet, tmp_path: Path) -> None:
             "sources/fmi-model.h",
             "sources/fmi-unit.h",
             "sources/fmi3-api.h",
+            "sources/fmi3-refusals.h",
             "sources/fmi3-unit.c",
             "sources/mixed.c",
             "sources/mixed.h",
