@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
 from saoflow.codegen.interface import Interface, StateField
+from saoflow.codegen.macros import HEADERS
 from saoflow.codegen.names import Names
 from saoflow.codegen.runner import RESERVED, runner, strictness
 from saoflow.codegen.tables_c import lane_lookup, table_items
@@ -88,7 +89,7 @@ class _Generator:
         self.about = about
         self.dialect = dialect
         self.real = dialect.real
-        self.names = Names(RESERVED)
+        self.names = Names(RESERVED | HEADERS)
         prefix = self.names.make(program.sheet, "sheet", 20)
         fields = Names()
         outputs = Names()

@@ -1,12 +1,15 @@
 """All C names, made in one place: whatever a sheet calls things, names neither collide nor escape.
 
 A name keeps what is legible of the sheet's own (ASCII letters, digits, underscores) and is made unique with a number.
-No name begins with an underscore, is a keyword, or is longer than 31 characters (what C99 guarantees for external names).
+No name begins with an underscore, is a keyword or a macro of a standard header, or is longer than 31 characters (what
+C99 guarantees for external names).
 """
 
 from __future__ import annotations
 
 import re
+
+from saoflow.codegen.macros import is_macro
 
 KEYWORDS = frozenset(
     [
@@ -125,7 +128,7 @@ class Names:
         """A fresh name for ``text``; ``fallback`` serves where nothing of it is legible."""
         base = legible(text, most) or fallback
         name, number = base, 1
-        while name in self._taken or name.lower() in self._taken:
+        while name in self._taken or name.lower() in self._taken or is_macro(name):
             number += 1
             suffix = f"_{number}"
             name = base[: most - len(suffix)].rstrip("_") + suffix
