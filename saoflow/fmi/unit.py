@@ -13,6 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from saoflow.codegen.build import hash_of
 from saoflow.codegen.generate import About, generate
 from saoflow.codegen.interface import Interface
 from saoflow.codegen.printer import print_file
@@ -76,8 +77,7 @@ def build_unit(
     frame = frame_period(sheet, period)
     sheet.budget().raise_if_over()
     program = sheet.program(real)
-    digest = _sheet_hash(sheet)
-    code = generate(program, About(sheet.sheet.doc, digest, ()))
+    code = generate(program, About(sheet.sheet.doc, hash_of(sheet.netlist.sources), ()))
     core = {file.name: print_file(file).text.encode("ascii") for file in (code.header, code.source)}
     found = variables(sheet, program, code.interface)
     if scalar or version == 2:
@@ -239,22 +239,6 @@ def _token(facts: Facts, found: tuple[Variable, ...], core: dict[str, bytes]) ->
         check.update(core[name])
     text = check.hexdigest()
     return f"{{{text[:8]}-{text[8:12]}-{text[12:16]}-{text[16:20]}-{text[20:32]}}}"
-
-
-def _sheet_hash(sheet: LoadedSheet) -> str:
-    """SHA-256 of the text of every sheet that the program comes from."""
-    netlist = sheet.netlist
-    files = {sheet.sheet.file}
-    stack = [netlist.root]
-    while stack:
-        body = stack.pop()
-        files.add(body.structure.file)
-        files.update(node.position.file for node in body.nodes)
-        stack += [child for child in body.children if child is not None]
-    check = hashlib.sha256()
-    for _, lines in sorted((Path(file).name, netlist.sources.lines(file)) for file in files):
-        check.update("\n".join((*lines, "")).encode("utf-8", "surrogateescape"))
-    return check.hexdigest()
 
 
 def _tool_version() -> str:
