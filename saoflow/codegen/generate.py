@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
 from saoflow.codegen.interface import Interface, StateField
+from saoflow.codegen.lane_tables import lane_lookup
 from saoflow.codegen.macros import HEADERS
 from saoflow.codegen.names import Names
 from saoflow.codegen.runner import RESERVED, runner, strictness
-from saoflow.codegen.tables_c import lane_lookup, table_items
+from saoflow.codegen.tables_c import table_items
 from saoflow.codegen.tree import (
     Assign,
     Call,
@@ -141,7 +142,7 @@ class _Generator:
         for name, table in zip(self.tables, self.program.tables, strict=True):
             items += table_items(name, table, self.program.real)
             if isinstance(self.dialect, Lanes):
-                items.append(lane_lookup(name, table, self.program.real, self.dialect.count))
+                items += lane_lookup(name, table, self.program.real, self.dialect.count)
         for i, body in enumerate(self.program.procedures):
             items.append(self._procedure(i, body))
         return items

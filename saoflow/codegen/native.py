@@ -15,11 +15,18 @@ import numpy as np
 from saoflow.codegen.compiler import register_bytes
 from saoflow.codegen.objects import Objects
 from saoflow.codegen.runner import ENTRY
+from saoflow.codegen.stack import stack_bound
+from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.scheduler.program import FrameProgram, ProgramPort
 from saoflow.scheduler.simulator import Arrays, Simulator, State, one_or_batch
 
 PAUSE = 0.1
 """Seconds in C before progress is told and Ctrl-C is heard."""
+
+SMALL_STACK = 1 << 20
+"""Bytes that any thread has left."""
+MOST_STACK = 16 << 20
+"""Bytes of a frame for one flight. A frame that takes more would be minutes in the compiler."""
 
 Runner = Callable[..., None]
 
@@ -30,6 +37,7 @@ class NativeSimulator(Simulator):
     def __init__(self, program: FrameProgram, objects: Objects) -> None:
         super().__init__(program)
         self._objects = objects
+        self._stack = _stack_needed(program)
         self._runners: dict[int, Runner] = {0: _runner(objects, 0)}
         self._slots: np.ndarray | None = None
         """(slots, flights), binary64."""
@@ -72,7 +80,8 @@ class NativeSimulator(Simulator):
         lanes = self.lanes if count > 1 else 0
         if lanes not in self._runners:
             self._runners[lanes] = _runner(self._objects, lanes)
-        _Loop(self._runners[lanes], slots, given, taken, max(lanes, 1)).run(count, frames, progress)
+        loop = _Loop(self._runners[lanes], slots, given, taken, max(lanes, 1))
+        _with_stack(self._stack * max(lanes, 1), lambda: loop.run(count, frames, progress))
         self._slots, self._flights, self._frame = slots, flights, self._frame + frames
         return outputs
 
@@ -152,6 +161,49 @@ def _pointers(arrays: Sequence[_Strided], frame: int) -> Any:
 
 def _steps(arrays: Sequence[_Strided]) -> Any:
     return (ctypes.c_long * (2 * len(arrays)))(*(step for a in arrays for step in (a.flight, a.frame)))
+
+
+def _stack_needed(program: FrameProgram) -> int:
+    """Bytes for one flight, at most. Raises DiagnosisError E610 for a sheet that is not compiled for its size."""
+    needed = stack_bound(program)
+    if needed > MOST_STACK:
+        raise DiagnosisError(
+            [
+                Diagnosis(
+                    "E610",
+                    f"a frame of `{program.sheet}` is too large for the stack: up to {needed} bytes, {MOST_STACK} allowed",
+                    cause="every wire of a sheet is a local variable of its C function",
+                    remedy="use backend `interpreter`, or smaller matrices, folds and maps",
+                )
+            ]
+        )
+    return needed
+
+
+def _with_stack(needed: int, work: Callable[[], None]) -> None:
+    """Run in this thread, or in one with a larger stack."""
+    if needed <= SMALL_STACK:
+        work()
+        return
+    import threading
+
+    problems: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            work()
+        except BaseException as problem:
+            problems.append(problem)
+
+    before = threading.stack_size(-(-(needed + SMALL_STACK) // 65536) * 65536)
+    try:
+        thread = threading.Thread(target=run)
+        thread.start()
+    finally:
+        threading.stack_size(before)
+    thread.join()
+    if problems:
+        raise problems[0]
 
 
 def _runner(objects: Objects, lanes: int) -> Runner:

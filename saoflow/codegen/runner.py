@@ -39,7 +39,7 @@ from saoflow.scheduler.program import FrameProgram, ProgramPort
 
 ENTRY = "saoflow_run"
 RESERVED = frozenset(
-    {ENTRY, "reals", "masks", "every_real", "every_mask", "chosen", "chosen_mask", "smaller", "larger"}
+    {ENTRY, "reals", "masks", "places", "every_real", "every_mask", "chosen", "chosen_mask", "smaller", "larger"}
 )
 """Names of the file that holds a runner."""
 

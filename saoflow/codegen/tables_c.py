@@ -9,7 +9,6 @@ import numpy as np
 from saoflow.codegen.tree import (
     Assign,
     Binary,
-    Call,
     Conditional,
     ConstantArray,
     Declare,
@@ -20,7 +19,6 @@ from saoflow.codegen.tree import (
     Item,
     Parameter,
     Real,
-    Repeat,
     Return,
     Statement,
     Variable,
@@ -133,12 +131,3 @@ def _two_axes(name: str, table: PreparedTable, real_type: str, bits: int, what: 
     parameters = (Parameter(const, "u"), Parameter(const, "v"))
     items.append(Function(real_type, name, parameters, tuple(body), True))
     return tuple(items)
-
-
-def lane_lookup(name: str, table: Table, bits: int, lanes: int) -> Function:
-    """``name_lanes``: the table for every lane."""
-    given = [Variable(c) for c in "uv"[: len(table.breakpoints)]]
-    lane, out = Variable("l"), Variable("out")
-    look = Assign(Element(out, lane), Call(name, tuple(Element(u, lane) for u in given)))
-    body = (Declare("reals", "out", None), Repeat("l", lanes, (look,)), Return(out))
-    return Function("reals", f"{name}_lanes", tuple(Parameter("const reals", u.name) for u in given), body, True)

@@ -258,7 +258,7 @@ class ConstantArray:
 
     type: str
     name: str
-    values: tuple[Real, ...]
+    values: tuple[Real | Integer, ...]
     comment: str
 
 

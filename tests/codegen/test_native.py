@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import saoflow
-from saoflow.codegen import cache, compiler, objects
+from saoflow.codegen import cache, compiler, native, objects
 from saoflow.codegen.compiler import find_compiler
 from saoflow.codegen.native import NativeSimulator
 from saoflow.diagnosis import DiagnosisError
@@ -291,3 +291,15 @@ def test_a_cache_that_cannot_be_used_is_replaced_and_said(
 def test_exact_mode_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DiagnosisError, match="E607"):
         sheet_of(tmp_path, SMALL).simulator(backend="c", exact=True)
+
+
+def test_a_large_frame_gets_a_stack_of_its_own_and_a_huge_one_a_diagnosis(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sheet = sheet_of(tmp_path, SMALL)
+    expected = sheet.simulator().run(small_inputs(30))
+    monkeypatch.setattr(native, "SMALL_STACK", 100)
+    assert_same(sheet.simulator(backend="c").run(small_inputs(30)), expected)
+    monkeypatch.setattr(native, "MOST_STACK", 200)
+    with pytest.raises(DiagnosisError, match=r"E610.*200 allowed"):
+        sheet.simulator(backend="c")
