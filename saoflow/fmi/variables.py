@@ -64,10 +64,9 @@ def variables(sheet: LoadedSheet, program: FrameProgram, interface: Interface) -
     real = "Float64" if program.real == 64 else "Float32"
     found = [*_ports(sheet, program, interface, real), *_states(sheet, program, interface, real), *_parameters(sheet)]
     taken = {variable.name for variable in found}
-    time = "time"
-    while time in taken:
-        time += "_"
-    clock = Variable(time, "Float64", "independent", "continuous", (), (), (TIME,), "Simulation time.", None)
+    clock = Variable(
+        _free("time", taken), "Float64", "independent", "continuous", (), (), (TIME,), "Simulation time.", None
+    )
     return (clock, *found)
 
 
@@ -86,9 +85,14 @@ def _ports(sheet: LoadedSheet, program: FrameProgram, interface: Interface, real
             port.doc,
             f"input.{name}",
         )
+    taken = {port.name for port in (*program.inputs, *program.outputs)}
     for port, name in zip(program.outputs, interface.outputs, strict=True):
+        shown = port.name
+        if any(port.name == other.name for other in program.inputs):  # a port that comes in and goes out
+            shown = _free(f"{port.name}_out", taken)
+            taken.add(shown)
         yield Variable(
-            port.name,
+            shown,
             "Boolean" if port.type.boolean else real,
             "output",
             "discrete",
@@ -98,6 +102,13 @@ def _ports(sheet: LoadedSheet, program: FrameProgram, interface: Interface, real
             port.doc,
             f"output.{name}",
         )
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """The name, with as many underscores as make it another than those taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def _states(sheet: LoadedSheet, program: FrameProgram, interface: Interface, real: str) -> Iterator[Variable]:

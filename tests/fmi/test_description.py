@@ -17,7 +17,8 @@ from saoflow.units import Unit as PhysicalUnit
 from tests.fmi.importer import fmpy
 from tests.sheet_text import sheet_of
 
-GOOD = sorted((Path(__file__).parents[1] / "sheets/good").glob("*.yaml"))
+SHEETS = Path(__file__).parents[1] / "sheets/good"
+GOOD = sorted([*SHEETS.glob("*.yaml"), *SHEETS.glob("*/main.yaml")])
 
 
 def description(unit: Unit) -> ElementTree.Element:
@@ -33,7 +34,7 @@ def findings(unit: Unit, folder: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("version", [3, 2])
-@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: f"{path.parent.stem}-{path.stem}")
 def test_valid_for_every_kind_of_sheet(path: Path, version: int, tmp_path: Path) -> None:
     sheet = saoflow.load(str(path))
     stated = sheet.netlist.root.structure.budget is not None and sheet.netlist.root.structure.budget.period
@@ -154,6 +155,15 @@ def test_names_of_other_alphabets_keywords_and_time(tmp_path: Path) -> None:
         assert findings(unit, tmp_path) == []
         assert [v.name for v in unit.variables[:5]] == ["time_", "time", "int", "größe", "struct"]
         assert description(unit).get("variableNamingConvention") == "flat"
+
+
+def test_a_port_that_comes_in_and_goes_out(tmp_path: Path) -> None:
+    text = (
+        "sheet: s\ninputs: {x: {}, x_out: {}}\nblocks: {y: {add: [x, x_out]}}\noutputs: [x, y]\nbudget: {period: 1}\n"
+    )
+    unit = build_unit(sheet_of(tmp_path, text), 3, binary=False)
+    assert findings(unit, tmp_path) == []
+    assert [(v.name, v.causality) for v in unit.variables[3:]] == [("x_out_", "output"), ("y", "output")]
 
 
 def test_without_inputs_or_state(tmp_path: Path) -> None:

@@ -52,15 +52,22 @@ def test_binary32_to_the_bit(version: int, mixed: LoadedSheet, tmp_path: Path) -
     importer.close()
 
 
-@pytest.mark.parametrize("version", [3, 2])
-def test_flagship_to_the_bit(version: int, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def flown() -> tuple[LoadedSheet, Arrays, Arrays]:
+    """The flagship, 200 frames of a flight with a failed sensor and missing samples, and what the interpreter gives."""
     sheet = saoflow.load("cmhe_fte")
     inputs = flight(sheet, 200)
-    inputs["alpha"][60:, 1] += 0.1  # a sensor that fails, and samples that are missing
+    inputs["alpha"][60:, 1] += 0.1
     inputs["vc"][90:95, 2] = np.nan
     inputs["q"][120] = np.inf
     expected = sheet.simulator().run(inputs)
     assert expected["alpha_faulty"][-1].tolist() == [0, 1, 0]
+    return sheet, inputs, expected
+
+
+@pytest.mark.parametrize("version", [3, 2])
+def test_flagship_to_the_bit(version: int, flown: tuple[LoadedSheet, Arrays, Arrays], tmp_path: Path) -> None:
+    sheet, inputs, expected = flown
     unit = build_unit(sheet, version, optimisation="-O0")
     importer = Importer(unit, tmp_path)
     assert fmpy.validation.validate_fmu(str(tmp_path / f"unit{version}.fmu")) == []
