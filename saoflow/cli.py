@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "build", "show", "symbols", "fmu")}
 GROUP = "saoflow.commands"
-ORDER = ("demo", "check", "run", "budget", "verify", "build", "fly", "show", "symbols")
+ORDER = ("demo", "check", "run", "budget", "verify", "build", "fmu", "fly", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
 
 Command = Callable[..., Any]

@@ -73,6 +73,6 @@ CODES: dict[str, str] = {
     "E608": "no such target",
     "E609": "the command line cannot be understood",
     "E610": "the sheet is too large for the stack",
-    "W607": "another backend, or another cache, than asked for",
+    "W607": "another backend or cache than asked for, or sources without a binary",
     "E699": "an error inside saoflow",
 }

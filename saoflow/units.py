@@ -394,8 +394,8 @@ def conversion_hint(a: Unit, b: Unit) -> str:
     if a is b:
         return f"both are {a}"
     try:
-        one = _registry().Quantity(1.0, _pint_unit(a))
-        other = _pint_unit(b)
+        one = _registry().Quantity(1.0, pint_unit(a))
+        other = pint_unit(b)
         if one.dimensionality != other.dimensionality:
             return f"{_spoken(a)} and {_spoken(b)} measure different things"
         factor = one.to(other).magnitude
@@ -416,7 +416,8 @@ def _spoken(unit: Unit) -> str:
     return str(unit) if unit.powers else "a plain number (1, rad)"
 
 
-def _pint_unit(unit: Unit) -> Any:
+def pint_unit(unit: Unit) -> Any:
+    """The unit in pint, which is imported only now."""
     registry = _registry()
     result = registry.Unit("")
     for name, power in unit.powers:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from saoflow.diagnosis import DiagnosisError
-from saoflow.units import Unit, _pint_unit
+from saoflow.units import Unit, pint_unit
 
 _ANGLES = re.compile(r"\b(rad|radian|radians)\b")
 _SI = {
@@ -59,7 +59,7 @@ def shown_unit(unit: Unit, written: str | None) -> UnitDefinition:
 def base_unit(definition: UnitDefinition) -> BaseUnit | None:
     """The SI form of a unit; None where FMI has none (fractional exponents, or a unit that pint does not convert)."""
     try:
-        quantity = (1.0 * _pint_unit(definition.unit)).to_base_units()
+        quantity = (1.0 * pint_unit(definition.unit)).to_base_units()
     except Exception:  # pint raises many kinds for what it cannot convert; to us they mean the same
         return None
     exponents = {_SI.get(name, name): float(power) for name, power in quantity.unit_items()}
