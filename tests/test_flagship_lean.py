@@ -222,6 +222,29 @@ def test_with_tables_the_decisions_are_the_references(name: str) -> None:
         assert np.abs(found["vc_hat"] - expected["vc_hat"]).max() < 0.02
 
 
+def test_outputs_stay_finite_and_inside_their_bounds() -> None:
+    """Nonsense of every size in two frames of five, with NaN, infinities and denormals."""
+    random = np.random.default_rng(11)
+    flown = RUNS["lost airspeed"]()
+    inputs = {}
+    for name, values in flown.items():
+        plausible = np.resize(values, (900, *values.shape[1:]))
+        odd = random.choice([np.nan, np.inf, -np.inf, 1e300, -1e300, 5e-324, 0.0, -1.0], plausible.shape)
+        wild = random.normal(size=plausible.shape) * random.choice([0.1, 1.0, 3.0]) * np.abs(values).max()
+        nonsense = np.where(random.uniform(size=plausible.shape) < 0.3, odd, wild)
+        inputs[name] = np.where(random.uniform(size=plausible.shape) < 0.4, nonsense, plausible)
+    lean_loop().reset()
+    found = lean_loop().run(inputs)
+    alpha = np.deg2rad(TUNING.alpha_min), np.deg2rad(TUNING.alpha_max)
+    bounds = {"alpha_hat": alpha, "alpha_pred": alpha, "vc_hat": (0.0, TUNING.vc_out_max)}
+    bounds |= {"vc_pred": (0.0, TUNING.vc_out_max), "wx_hat": (-TUNING.wx_max, TUNING.wx_max)}
+    bounds |= {"wz_hat": (-TUNING.wz_max, TUNING.wz_max), "alpha_rms": (0.0, np.pi)}
+    bounds |= {"vc_rms": (0.0, TUNING.vc_rms_max), "configuration": (1.0, 4.0)}
+    for port, (low, high) in bounds.items():
+        slack = 1e-15 * max(abs(low), abs(high))  # a bound in degrees, rounded on either side
+        assert np.all((found[port] >= low - slack) & (found[port] <= high + slack)), port
+
+
 @pytest.mark.parametrize(
     "parameters",
     [
