@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+ENTRY = "saoflow_run"
+"""What a compiled object offers: the loop over frames of ``runner.py``."""
+
 
 @dataclass(frozen=True, slots=True)
 class StateField:

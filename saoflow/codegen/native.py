@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from saoflow.codegen.compiler import register_bytes
+from saoflow.codegen.interface import ENTRY
 from saoflow.codegen.objects import Objects
-from saoflow.codegen.runner import ENTRY
 from saoflow.codegen.stack import stack_bound
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.scheduler.program import FrameProgram, ProgramPort

@@ -20,8 +20,6 @@ import numpy as np
 
 from saoflow.codegen.cache import Folder, cache_folder
 from saoflow.codegen.compiler import Compiler, compiled, digest, object_name
-from saoflow.codegen.generate import native_file
-from saoflow.codegen.printer import print_file
 from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis
 from saoflow.diagrams.store import SHIPPED
@@ -63,6 +61,9 @@ class Objects:
             name = object_name(known.decode("ascii"), self.compiler)
             if self.folder.read(name) is not None:
                 return self.folder.path / name
+        from saoflow.codegen.generate import native_file
+        from saoflow.codegen.printer import print_file
+
         with collector_paused():
             text = print_file(native_file(self.program, lanes), traced=False).text
         path = compiled(text, self.compiler, self.folder)

@@ -11,7 +11,7 @@ flight and the next frame are. The elements of a port lie side by side.
 from __future__ import annotations
 
 from saoflow.codegen.dialect import Lanes
-from saoflow.codegen.interface import Interface
+from saoflow.codegen.interface import ENTRY, Interface
 from saoflow.codegen.tree import (
     AddressOf,
     Assign,
@@ -37,7 +37,6 @@ from saoflow.codegen.tree import (
 )
 from saoflow.scheduler.program import FrameProgram, ProgramPort
 
-ENTRY = "saoflow_run"
 RESERVED = frozenset(
     {ENTRY, "reals", "masks", "places", "every_real", "every_mask", "chosen", "chosen_mask", "smaller", "larger"}
 )
