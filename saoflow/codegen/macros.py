@@ -39,9 +39,13 @@ _MACROS = re.compile(
             f"E(?:{'|'.join(_ERRORS)})",
             f"SIG(?:{'|'.join(_SIGNALS)})",
             r"(?:U?INT\w*|[SU]?CHAR|WCHAR|U?SHRT|U?L?LONG|PTRDIFF|S?SIZE|WINT|SIG_ATOMIC|RAND|TMP|FILENAME|FOPEN)_(?:MAX|MIN)",
-            r"MB_(?:LEN|CUR)_MAX|CHAR_BIT|(?:FLT|DBL|LDBL)_\w+|DECIMAL_DIG",
+            r"MB_(?:LEN|CUR)_MAX|CHAR_BIT|DECIMAL_DIG|FLT_(?:RADIX|ROUNDS|EVAL_METHOD)",
+            r"(?:FLT|DBL|LDBL)_(?:(?:MANT_|DECIMAL_)?DIG|EPSILON|HAS_SUBNORM|TRUE_MIN|(?:MAX|MIN)(?:(?:_10)?_EXP)?)",
             r"(?:PRI|SCN)[diouxX](?:FAST|LEAST)?(?:8|16|32|64|MAX|PTR)",
-            r"(?:FE|FP|LC)_[A-Z]\w*|SEEK_\w+|EXIT_\w+|MATH_ERR\w+|math_errhandling|HUGE(?:_VAL[FL]?)?",
+            r"FE_(?:ALL_EXCEPT|DFL_ENV|DIVBYZERO|DOWNWARD|INEXACT|INVALID|OVERFLOW|TONEAREST|TOWARDZERO|UNDERFLOW|UPWARD)",
+            r"FP_(?:ILOGB0|ILOGBNAN|INFINITE|NAN|NORMAL|SUBNORMAL|ZERO|FAST_FMA[FL]?)",
+            r"LC_(?:ADDRESS|ALL|COLLATE|CTYPE|IDENTIFICATION|MEASUREMENT|MESSAGES|MONETARY|NAME|NUMERIC|PAPER|TELEPHONE|TIME)",
+            r"SEEK_(?:CUR|END|SET)|EXIT_(?:FAILURE|SUCCESS)|MATH_ERR(?:NO|EXCEPT)|math_errhandling|HUGE(?:_VAL[FL]?)?",
             r"M_(?:E|LOG2E|LOG10E|LN2|LN10|PI|PI_2|PI_4|[12]_PI|2_SQRTPI|SQRT2|SQRT1_2)",
             r"BUFSIZ|CLOCKS_PER_SEC|I|INFINITY|L_(?:tmpnam|ctermid)|NAN|NULL|WEOF|P_tmpdir|stdin|stdout|stderr",
         )
@@ -50,5 +54,8 @@ _MACROS = re.compile(
 
 
 def is_macro(name: str) -> bool:
-    """Whether a standard header may replace this name, so that it cannot be a field's or a function's."""
+    """Whether a standard header may replace this name, so that it cannot be a field's or a function's.
+
+    All are listed exactly: a number behind any of them (``EDOM_2``) makes a free name.
+    """
     return _MACROS.fullmatch(name) is not None
