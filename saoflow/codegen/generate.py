@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
+from saoflow.codegen.guided_tables import native_table_items
 from saoflow.codegen.interface import Interface, StateField
-from saoflow.codegen.lane_tables import lane_lookup
 from saoflow.codegen.macros import HEADERS
 from saoflow.codegen.names import Names
 from saoflow.codegen.runner import RESERVED, runner, strictness
@@ -70,10 +70,11 @@ def generate(program: FrameProgram, about: About) -> Code:
 def native_file(program: FrameProgram, lanes: int = 0) -> File:
     """One file for this machine: a frame, and the loop over frames (:mod:`saoflow.codegen.runner`).
 
-    ``lanes``: so many flights side by side in every value; 0: one flight, with the very statements of the code that flies.
+    ``lanes``: so many flights side by side in every value; 0: one flight, with the statements of the code that flies. Look-ups
+    find their interval faster here (:mod:`saoflow.codegen.guided_tables`); every bit is the same.
     """
     dialect = Lanes(program.real, lanes) if lanes else Scalar(program.real)
-    return _Generator(program, About("", "", ()), dialect).native()
+    return _Generator(program, About("", "", ()), dialect, guided=True).native()
 
 
 CONTRACTION = (
@@ -85,10 +86,11 @@ CONTRACTION = (
 
 
 class _Generator:
-    def __init__(self, program: FrameProgram, about: About, dialect: Dialect) -> None:
+    def __init__(self, program: FrameProgram, about: About, dialect: Dialect, guided: bool = False) -> None:
         self.program = program
         self.about = about
         self.dialect = dialect
+        self.guided = guided
         self.real = dialect.real
         self.names = Names(RESERVED | HEADERS)
         prefix = self.names.make(program.sheet, "sheet", 20)
@@ -140,9 +142,11 @@ class _Generator:
         """The tables and the procedures."""
         items: list[Item] = []
         for name, table in zip(self.tables, self.program.tables, strict=True):
-            items += table_items(name, table, self.program.real)
-            if isinstance(self.dialect, Lanes):
-                items += lane_lookup(name, table, self.program.real, self.dialect.count)
+            if self.guided:
+                lanes = self.dialect.count if isinstance(self.dialect, Lanes) else 0
+                items += native_table_items(name, table, self.program.real, lanes)
+            else:
+                items += table_items(name, table, self.program.real)
         for i, body in enumerate(self.program.procedures):
             items.append(self._procedure(i, body))
         return items

@@ -1,6 +1,7 @@
 """Frames in compiled C: the same Simulator, state and bits as the interpreter's, hundreds of times faster.
 
-One flight runs the statements of the code that flies; a batch runs a register of flights side by side.
+One flight runs the statements of the code that flies; a batch runs a register of flights side by side. Look-ups alone find
+their interval another way here.
 """
 
 from __future__ import annotations

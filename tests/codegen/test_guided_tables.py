@@ -1,4 +1,4 @@
-"""The guide of a table in lanes: it begins where the plain search would end, for every input, in both real types."""
+"""The guide of a table in compiled frames: it begins where the plain search would end, for every input, in both real types."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from saoflow.codegen.lane_tables import guide_of
+from saoflow.codegen.guided_tables import guide_of
 
 
 def found(x: np.ndarray, u: np.ndarray) -> np.ndarray:
