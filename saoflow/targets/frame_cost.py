@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.operations import Table
 from saoflow.scheduler.program import FrameProgram, ProgramBody
+from saoflow.targets.early_schedule import scheduled_early
 from saoflow.targets.instructions import Instruction, Machine
 from saoflow.targets.memory_form import memory_form
 from saoflow.targets.peephole import call_counts, inlined
@@ -181,6 +182,8 @@ def _form(
     for i, (body, times) in enumerate(zip(bodies, call_counts(bodies, procedures), strict=True)):
         if not times:
             continue
+        if optimised:
+            body = scheduled_early(body, target, program.real, i < procedures)
         instructions = former(body, program.tables, isa, i < procedures)
         for kind, n in Counter(x.kind for x in instructions).items():
             kinds[kind] += n * times

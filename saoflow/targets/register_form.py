@@ -1,6 +1,6 @@
 """A body with its values kept in registers: what an optimising compiler makes of it.
 
-Registers are given in the order of the operations; where there are too few, the value whose next use is farthest goes
+Registers are given in the order of the operations (after a first scheduling: ``early_schedule.py``); where there are too few, the value whose next use is farthest goes
 (Belady 1966), to memory if it is not there yet. Constants, inputs, results of calls and parameters beyond the registers
 of the calling convention lie in memory until used. A compiler that schedules before it allocates moves a little more.
 """

@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Sequence
 
 from saoflow.targets.instructions import Instruction, Machine
-from saoflow.targets.target import Target, Timing
+from saoflow.targets.target import Target
 
 WINDOW = 16
 """How far ahead of the oldest instruction not yet issued another may be taken: registers bound what can be in flight."""
@@ -14,20 +14,22 @@ WINDOW = 16
 
 def scheduled(instructions: Sequence[Instruction], target: Target, real: int) -> list[Instruction]:
     """The same instructions, reordered between branches so that long ways to the end of the block start early."""
-    timings = {kind: target.timing(kind, real) for kind in target.kinds()}
     found: list[Instruction] = []
     start = 0
     for end in range(1, len(instructions) + 1):
         if end == len(instructions) or instructions[end - 1].kind is Machine.BRANCH:
-            block = instructions[start:end]
+            block = list(instructions[start:end])
             last = [block[-1]] if block[-1].kind is Machine.BRANCH else []
-            found += _block(block[: len(block) - len(last)], timings, target.issue_width) + last
+            block = block[: len(block) - len(last)]
+            found += [block[k] for k in block_order(block, target, real, WINDOW)] + last
             start = end
     return found
 
 
-def _block(block: Sequence[Instruction], timings: dict[Machine, Timing], width: int) -> list[Instruction]:
-    """Cycle by cycle: of what is ready and within the window, what has the longest way to go."""
+def block_order(block: Sequence[Instruction], target: Target, real: int, window: int) -> list[int]:
+    """Cycle by cycle: of what is ready and within the window, what has the longest way to go; places in the block."""
+    timings = {kind: target.timing(kind, real) for kind in target.kinds()}
+    width = target.issue_width
     writer = {instruction.write: k for k, instruction in enumerate(block)}
     after: list[list[int]] = [[] for _ in block]
     waits = [0] * len(block)
@@ -57,7 +59,7 @@ def _block(block: Sequence[Instruction], timings: dict[Machine, Timing], width: 
             entry = heapq.heappop(ready)
             k = entry[1]
             timing = timings[block[k].kind]
-            if k >= oldest + WINDOW or free.get(timing.unit, 0) > now:
+            if k >= oldest + window or free.get(timing.unit, 0) > now:
                 passed.append(entry)
                 continue
             issued += 1
@@ -74,4 +76,4 @@ def _block(block: Sequence[Instruction], timings: dict[Machine, Timing], width: 
         while oldest < len(block) and done[oldest]:
             oldest += 1
         now += 1
-    return [block[k] for k in order]
+    return order
