@@ -37,7 +37,7 @@ def cost_lines(cost: FrameCost) -> Iterator[str]:
         yield f"  {verdict} the share given: {100 * cost.share:g} % of the frame, {allowed:.0f} us (every operand from memory)"
     yield from _bodies(cost.forms[-1])
     yield f"  {CAVEAT}"
-    yield f"  Instructions calibrated: {cost.target.instruction_set.calibrated} (docs/cost_model.md)."
+    yield f"  Calibration: {cost.target.instruction_set.calibrated} (docs/cost_model.md)."
     for note in cost.target.notes:
         yield f"  {note}"
 
