@@ -2,7 +2,7 @@
 
 SX has no select but ``if_else_zero``, twice, and no look-up table at all. So there are two mappings. In ``placed`` every
 table is an SX operation that the program does not use otherwise (``sin``, ``cos``, ...), and the C that CasADi generates
-gets saoflow's own table functions under those names: the same operations, and the same bits. In ``plain`` a table is the
+gets the table functions of saoflow's backend ``c`` under those names: the same operations, and the same bits. In ``plain`` a table is the
 function that it approximates, as in saoflow's exact mode; a table of data is a sum of steps.
 """
 
@@ -14,8 +14,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from saoflow.codegen.guided_tables import native_table_items
 from saoflow.codegen.printer import print_file
-from saoflow.codegen.tables_c import table_items
 from saoflow.codegen.tree import File
 from saoflow.formula import Formula
 from saoflow.operations import Atom, Kind, Literal, Table
@@ -170,7 +170,7 @@ def generated(frame: ca.Function, program: FrameProgram, tables: bool, favoured:
     if tables:
         for number, table in enumerate(program.tables):
             name = f"table{number}"
-            head += print_file(File("t.c", "", table_items(name, table, program.real)), traced=False).text
+            head += print_file(File("t.c", "", native_table_items(name, table, program.real, 0)), traced=False).text
             head += f"#define {PLACES[number]} {name}\n"
     if favoured:
         head += "#define fmin(x, y) ((x) < (y) ? (x) : (y))\n#define fmax(x, y) ((x) > (y) ? (x) : (y))\n"
