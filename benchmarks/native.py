@@ -129,7 +129,7 @@ def against_casadi(sheet: LoadedSheet, recorded: dict[str, Any], repeat: int) ->
     from benchmarks.casadi_frame import CasadiFrames, casadi_function, largest_difference, run_machine
 
     program = sheet.frame_program
-    frames = 400
+    frames = 1500
     inputs = {name: np.asarray(array, dtype=float)[:frames] for name, array in recorded.items()}
     rows = np.concatenate([inputs[port.name].reshape(frames, -1) for port in program.inputs], axis=1)
     function = casadi_function(program)

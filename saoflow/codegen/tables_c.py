@@ -40,7 +40,7 @@ def _array(name: str, values: np.ndarray, real_type: str, bits: int, comment: st
     return ConstantArray(real_type, name, tuple(Real(float(v), bits) for v in np.ravel(values)), comment)
 
 
-def _steps(points: int) -> Iterator[int]:
+def search_steps(points: int) -> Iterator[int]:
     """How far each step of the search looks ahead: the same for every input."""
     size = points
     while size > 1:
@@ -59,7 +59,7 @@ def _limited(u: str, out: str, x: np.ndarray, real_type: str, bits: int) -> Iter
 def _search(x: Variable, array: str, index: str, points: int) -> Iterator[Statement]:
     i = Variable(index)
     yield Declare("unsigned int", index, Integer(0, True))
-    for half in _steps(points):
+    for half in search_steps(points):
         ahead = Binary("+", i, Integer(half, True))
         yield Assign(i, Conditional(Binary("<=", Element(Variable(array), ahead), x), ahead, i))
 

@@ -91,8 +91,8 @@ def test_flagship_has_the_bits_of_the_interpreter(real: int) -> None:
 def test_lanes_have_the_bits_of_single_flights(real: int) -> None:
     sheet = saoflow.load("cmhe_fte")
     one = flagship_inputs(1500)
-    flights = 11  # no multiple of a register's lanes
-    batch = {name: np.stack([np.roll(a, 37 * f, axis=0)[:150] for f in range(flights)]) for name, a in one.items()}
+    flights = 21  # no multiple of a register's lanes
+    batch = {name: np.stack([np.roll(a, 37 * f, axis=0)[:100] for f in range(flights)]) for name, a in one.items()}
     simulator = sheet.simulator(backend="c", real=real)
     found = simulator.run(batch)
     state = simulator.state().slots

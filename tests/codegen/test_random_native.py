@@ -42,8 +42,8 @@ def test_random_sheets_run_alike_and_are_clean(text: str, rows: list[list[float]
         (folder / "s.yaml").write_text(text, encoding="utf-8")
         sheet = saoflow.load(str(folder / "s.yaml"))
         slow, fast = sheet.simulator(real=real), sheet.simulator(backend="c", real=real)
-        # Five flights: the same rows in turned order, so that lanes differ, and their number is no multiple of a register.
-        flat = np.stack([np.roll(np.array(rows), f, axis=0) for f in range(5)])
+        # Nineteen flights: the same rows in turned order, so that lanes differ, and their number is no multiple of a register.
+        flat = np.stack([np.roll(np.array(rows), f, axis=0) for f in range(19)])
         ports = {port.name: port.type for port in slow.program.inputs}
         starts = np.cumsum([0, *(t.size for t in ports.values())])
         batch = {
