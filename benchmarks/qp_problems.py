@@ -12,7 +12,7 @@ from verification.reference.inputs import frames
 from verification.reference.linearisation import QuadraticProgram
 from verification.reference.tuning import Tuning
 
-FIRST, EVERY, LAST = 60, 4, 460
+FIRST, EVERY, LAST = 60, 1, 460
 """Frames taken: after the start has settled."""
 ONSET, RATE = 100, 5.0
 """Frame from which all three airspeeds run away together, kt/s: the wind is pulled to its bounds."""
