@@ -102,7 +102,8 @@ class LoadedSheet:
     ) -> Simulator:
         """Frames of this sheet. ``exact`` puts the functions of tables in their place (``interpreter`` only).
 
-        Backend ``c`` gives the bits of ``interpreter``; without a C compiler it warns and is the interpreter. Raises DiagnosisError E401 for a sheet over its budget, E303 for an unknown probe, E603, E607.
+        Backend ``c`` gives the bits of ``interpreter``; without a C compiler it warns and is the interpreter. Raises
+        DiagnosisError E401 for a sheet over its budget, E303 for an unknown probe, E603, E607.
         """
         if real not in (32, 64):
             raise DiagnosisError(
@@ -111,8 +112,10 @@ class LoadedSheet:
         if backend == "c":
             from saoflow.codegen.backend import native_simulator
 
-            return native_simulator(self, real, probes, exact)
-        if backend != "interpreter":
+            compiled = native_simulator(self, real, probes, exact)
+            if compiled is not None:
+                return compiled
+        elif backend != "interpreter":
             raise DiagnosisError(
                 [
                     Diagnosis(

@@ -1,22 +1,18 @@
-"""Backend ``c``: compiled frames, or the interpreter and a word about it where there is no compiler."""
+"""Backend ``c``: compiled frames, or a word about it where there is no compiler."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import TYPE_CHECKING
 
 from saoflow.codegen.compiler import find_compiler
 from saoflow.codegen.native import NativeSimulator
-from saoflow.codegen.objects import objects_of, warn_once
+from saoflow.codegen.objects import ProgramSource, objects_of, warn_once
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.scheduler.simulator import Simulator
 
-if TYPE_CHECKING:
-    from saoflow.pipeline import LoadedSheet
 
-
-def native_simulator(sheet: LoadedSheet, real: int, probes: Collection[str], exact: bool) -> Simulator:
-    """Frames in C. Raises DiagnosisError as elaboration does, E401, and E607 (exact mode; a compile that fails)."""
+def native_simulator(sheet: ProgramSource, real: int, probes: Collection[str], exact: bool) -> Simulator | None:
+    """Frames in C, or None (and a warning) without a C compiler. Raises DiagnosisError as elaboration does, E401, and E607 (exact mode; a compile that fails)."""
     if exact:
         raise DiagnosisError(
             [
@@ -35,6 +31,6 @@ def native_simulator(sheet: LoadedSheet, real: int, probes: Collection[str], exa
             "none of cc, gcc, clang and the ziglang package is there or runs",
             "install a C compiler, or pip install saoflow[cc]",
         )
-        return sheet.simulator(real=real, probes=probes)
+        return None
     objects = objects_of(sheet, real, probes, compiler)
     return NativeSimulator(objects.program, objects)

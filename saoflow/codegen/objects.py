@@ -11,10 +11,11 @@ import os
 import pickle
 import sys
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -22,8 +23,10 @@ from saoflow.codegen.cache import Folder, cache_folder
 from saoflow.codegen.compiler import Compiler, compiled, digest, object_name
 from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis
+from saoflow.diagrams.expression_value import Quantity
+from saoflow.diagrams.sheet import Sheet
 from saoflow.diagrams.store import SHIPPED
-from saoflow.pipeline import LoadedSheet
+from saoflow.scheduler.budget import BudgetReport
 from saoflow.scheduler.program import FrameProgram
 
 MOST_SHEETS = 300
@@ -36,6 +39,26 @@ class BackendWarning(UserWarning):
     def __init__(self, diagnosis: Diagnosis) -> None:
         super().__init__(diagnosis.render())
         self.diagnosis = diagnosis
+
+
+class ProgramSource(Protocol):
+    """A sheet on its way to frames: what compiling needs of it."""
+
+    sheet: Sheet
+    given: Mapping[str, Quantity]
+
+    @property
+    def frame_program(self) -> FrameProgram:
+        """The program in binary64 without probes."""
+        ...
+
+    def program(self, real: int = 64, probes: Collection[str] = ()) -> FrameProgram:
+        """The program in ``real`` bits, with probes."""
+        ...
+
+    def budget(self) -> BudgetReport:
+        """What a frame costs against what it may cost."""
+        ...
 
 
 @lru_cache(maxsize=64)
@@ -72,7 +95,7 @@ class Objects:
         return path
 
 
-def objects_of(sheet: LoadedSheet, real: int, probes: Collection[str], compiler: Compiler) -> Objects:
+def objects_of(sheet: ProgramSource, real: int, probes: Collection[str], compiler: Compiler) -> Objects:
     """The program of a sheet and its objects. Raises DiagnosisError as elaboration does, and E401."""
     folder = cache_folder()
     if folder.problem:
@@ -102,7 +125,7 @@ def _keep(folder: Folder, name: str, content: bytes) -> None:
         warn_once("compiled code is not kept", f"{folder.path}: {error.strerror}", "make room there")
 
 
-def _key(sheet: LoadedSheet, real: int, probes: Collection[str]) -> str:
+def _key(sheet: ProgramSource, real: int, probes: Collection[str]) -> str:
     """All that a program depends on; empty where that is too much to read every time."""
     files = _readable_sheets(Path(sheet.sheet.file).parent)
     if files is None:

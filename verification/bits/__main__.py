@@ -22,6 +22,10 @@ from verification.bits.harness import TARGETS, Target, first_difference, run_c, 
 from verification.bits.random_sheets import ROWS, SIDE_SHEETS, sheets
 
 FLAGSHIPS = ("cmhe_fte", "umhe_fte", "cmhe_fte_lean")
+FLIGHT = 500
+"""Frames of a flight."""
+BLOCK = 200_000
+"""Frames that are compared at a time, so that memory stays flat."""
 
 
 def compare_random(targets: list[Target], examples: int, seed: int) -> None:
@@ -61,19 +65,26 @@ def compare_text(text: str, rows: np.ndarray, real: int, targets: list[Target]) 
 
 
 def compare_flagship(name: str, targets: list[Target], frames: int, seed: int) -> list[str]:
-    """A shipped sheet over many frames; returns a line for each target and width. Raises AssertionError."""
+    """A shipped sheet over many frames; returns a line for each target and width. Raises AssertionError.
+
+    The frames are flights of :data:`FLIGHT` frames, each from the start, which the interpreter runs as a batch; so the
+    start-up is met as often as there are flights.
+    """
     sheet = saoflow.load(name)
-    rows = flagship_rows(frames, seed)
+    flight = min(FLIGHT, frames)
+    frames -= frames % flight
     lines = []
     for real in (64, 32):
-        expected = run_interpreter(sheet, real, rows if real == 64 else rows[: max(frames // 20, 200)])
         program = sheet.program(real)
-        for target in targets:
-            with tempfile.TemporaryDirectory() as folder:
-                found = run_c(program, target, Path(folder), rows[: len(expected)])
-            difference = first_difference(program, expected, found)
-            assert difference is None, f"{name}, {target.name}, {real} bits: {difference}"
-            lines.append(f"{name}, {target.name}, {real} bits: {len(expected)} frames, every bit equal")
+        for start in range(0, frames, BLOCK):
+            rows = flagship_rows(min(BLOCK, frames - start), seed + start)
+            expected = run_interpreter(sheet, real, rows, flight)
+            for target in targets:
+                with tempfile.TemporaryDirectory() as folder:
+                    found = run_c(program, target, Path(folder), rows, flight)
+                difference = first_difference(program, expected, found)
+                assert difference is None, f"{name}, {target.name}, {real} bits: {difference}"
+        lines += [f"{name}, {target.name}, {real} bits: {frames} frames, every bit equal" for target in targets]
     return lines
 
 
@@ -81,22 +92,26 @@ def main() -> int:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="the shortened comparison")
-    parser.add_argument("--sheets", type=int, default=None, help="random sheets (500; quick: 20)")
-    parser.add_argument("--frames", type=int, default=None, help="flagship frames in binary64 (1 000 000; quick: 2000)")
+    parser.add_argument("--sheets", type=int, default=None, help="random sheets (500; quick: 20; 0: none)")
+    parser.add_argument("--frames", type=int, default=None, help="frames of each flagship (1 000 000; quick: 2000)")
+    parser.add_argument("--flagship", nargs="*", default=FLAGSHIPS, help="which shipped sheets")
+    parser.add_argument("--target", nargs="*", default=None, help="which targets, by a part of their names")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    targets = [t for t in TARGETS if t.available]
-    for target in TARGETS:
+    wanted = [t for t in TARGETS if options.target is None or any(w in t.name for w in options.target)]
+    targets = [t for t in wanted if t.available]
+    for target in wanted:
         if not target.available:
             print(f"not installed, left out: {target.name} ({target.compiler[0]} {' '.join(target.runner[:1])})")
     frames = options.frames or (2_000 if options.quick else 1_000_000)
-    examples = options.sheets or (20 if options.quick else 500)
+    examples = options.sheets if options.sheets is not None else (20 if options.quick else 500)
     try:
-        for name in FLAGSHIPS:
+        for name in options.flagship:
             for line in compare_flagship(name, targets, frames, options.seed):
                 print(line, flush=True)
-        compare_random(targets, examples, options.seed)
-        print(f"{examples} random sheets, {len(targets)} targets, binary64 and binary32: every bit equal")
+        if examples:
+            compare_random(targets, examples, options.seed)
+            print(f"{examples} random sheets, {len(targets)} targets, binary64 and binary32: every bit equal")
     except AssertionError as problem:
         print(problem, file=sys.stderr)
         return 1

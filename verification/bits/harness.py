@@ -51,6 +51,7 @@ class HarnessError(RuntimeError):
 
 MAIN = """
 #include <stdio.h>
+#include <stdlib.h>
 #include "{header}"
 int main(int argc, char **argv)
 {{
@@ -59,9 +60,10 @@ int main(int argc, char **argv)
     static {output} output;
     static {real} in[{inputs} + 1], out[{outputs} + 1];
     FILE *from = fopen(argv[1], "rb"), *to = fopen(argv[2], "wb");
-    if (argc != 3 || !from || !to) return 2;
-    {init}(&state);
+    unsigned long k = 0, flight = argc == 4 ? strtoul(argv[3], 0, 10) : 0;
+    if (argc != 4 || !from || !to || !flight) return 2;
     while ({inputs} ? fread(in, sizeof in[0], {inputs}, from) == {inputs} : fgetc(from) != EOF) {{
+        if (k++ % flight == 0) {init}(&state);
         {load}
         {step}(&state, &input, &output);
         {store}
@@ -110,8 +112,13 @@ def write_program(program: FrameProgram, folder: Path) -> Code:
     return code
 
 
-def run_c(program: FrameProgram, target: Target, folder: Path, rows: np.ndarray) -> np.ndarray:
-    """Frames (frames, inputs) through the C of a program: (frames, outputs) as binary64. Raises HarnessError."""
+def run_c(
+    program: FrameProgram, target: Target, folder: Path, rows: np.ndarray, flight: int | None = None
+) -> np.ndarray:
+    """Frames (frames, inputs) through the C of a program: (frames, outputs) as binary64. Raises HarnessError.
+
+    The state starts anew every ``flight`` frames.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     code = write_program(program, folder)
     real = f"{target.byte_order}f{program.real // 8}"
@@ -119,7 +126,8 @@ def run_c(program: FrameProgram, target: Target, folder: Path, rows: np.ndarray)
     with np.errstate(all="ignore"):
         source.write_bytes(rows.astype(real).tobytes())
     _run((*target.compiler, *STRICT, "-o", str(binary), str(folder / code.source.name), str(folder / "main.c")))
-    _run((*target.runner, str(binary), str(source), str(folder / "out.bin")))
+    length = str(flight or max(len(rows), 1))
+    _run((*target.runner, str(binary), str(source), str(folder / "out.bin"), length))
     width = sum(port.type.size for port in (*program.outputs, *program.probes))
     return np.fromfile(folder / "out.bin", dtype=real).astype(np.float64).reshape(len(rows), width)
 
@@ -130,14 +138,15 @@ def _run(command: tuple[str, ...]) -> None:
         raise HarnessError(f"{' '.join(command)}\nexit code {done.returncode}\n{done.stderr[:4000]}")
 
 
-def run_interpreter(sheet: LoadedSheet, real: int, rows: np.ndarray) -> np.ndarray:
-    """The same frames in the interpreter."""
+def run_interpreter(sheet: LoadedSheet, real: int, rows: np.ndarray, flight: int | None = None) -> np.ndarray:
+    """The same frames in the interpreter; with ``flight``, as a batch of flights of so many frames."""
     simulator = sheet.simulator(real=real)
+    lead = (len(rows),) if flight is None else (len(rows) // flight, flight)
     inputs: dict[str, np.ndarray] = {}
     start = 0
     for port in simulator.program.inputs:
         part = rows[:, start : start + port.type.size]
-        inputs[port.name] = part.reshape(len(rows), *port.type.shape)
+        inputs[port.name] = part.reshape(*lead, *port.type.shape)
         start += port.type.size
     out: Mapping[str, np.ndarray] = simulator.run(inputs)
     flat = [np.asarray(out[p.name], dtype=np.float64).reshape(len(rows), -1) for p in simulator.program.outputs]
