@@ -102,7 +102,10 @@ class BudgetReport:
             "tree": self.tree.to_dict(),
             "state_slots": self.state_slots,
             "procedures": self.procedures,
-            "tables": [{"name": t.name, "points": t.points, "uses": t.uses, "search_steps": t.search_steps} for t in self.tables],
+            "tables": [
+                {"name": t.name, "points": t.points, "uses": t.uses, "search_steps": t.search_steps}
+                for t in self.tables
+            ],
         }
 
     def __str__(self) -> str:
