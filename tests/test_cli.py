@@ -370,7 +370,7 @@ def test_the_tree_adds_up(capsys: pytest.CaptureFixture[str]) -> None:
     assert answer["over"] is False and answer["diagnoses"] == []
 
 
-def test_targets_are_not_there_yet(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_target_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     _, err = ends(capsys, 2, "budget", LAG, "--target", "ppc755")
     assert "error[E608]: there is no target `ppc755`" in err
 
