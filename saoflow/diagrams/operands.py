@@ -7,7 +7,7 @@ import numpy as np
 from saoflow.blocks.concatenate import Concatenate
 from saoflow.blocks.constant import Constant, Value
 from saoflow.blocks.diagonal import Diagonal
-from saoflow.blocks.library import SYMBOLS
+from saoflow.blocks.library import SYMBOLS, AnySymbol
 from saoflow.blocks.mul import Mul, Product
 from saoflow.blocks.select import Select, Selection, Span
 from saoflow.blocks.transpose import Transpose
@@ -95,7 +95,7 @@ class Operands:
         """Wires joined along a new first axis."""
         return self._node(CONCATENATE, "new", wires, position)
 
-    def _node(self, symbol: object, configuration: object, inputs: tuple[int, ...], position: Position) -> int:
+    def _node(self, symbol: AnySymbol, configuration: object, inputs: tuple[int, ...], position: Position) -> int:
         if POISON in inputs:
             return POISON
         self._made += 1
@@ -104,7 +104,7 @@ class Operands:
             Node(
                 f"{self.path}#{self._made}",
                 position,
-                symbol,  # type: ignore[arg-type]
+                symbol,
                 configuration,
                 None,
                 inputs,

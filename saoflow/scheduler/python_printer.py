@@ -7,6 +7,7 @@ operation is pure.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from saoflow.operations import Atom, Kind, Literal
@@ -169,6 +170,6 @@ def _uses(body: ProgramBody, dialect: Dialect) -> Counter[int]:
     return uses
 
 
-def _tuple(items: object) -> str:
-    parts = list(items)  # type: ignore[call-overload]
+def _tuple(items: Iterable[str]) -> str:
+    parts = list(items)
     return f"({', '.join(parts)}{',' if len(parts) == 1 else ''})"
