@@ -102,7 +102,7 @@ def table(problems: list[QuadraticProgram], only_held: bool, tuning: Tuning, pyt
 
     exact = every(answers["exact/solution"])
     held = (exact <= _all(w.low for w in wholes) + 1e-9) | (exact >= _all(w.high for w in wholes) - 1e-9)
-    holds = held.any(axis=1)
+    holds = np.asarray(held.any(axis=1))
     taken = holds if only_held else np.ones(len(problems), dtype=bool)
     print(f"{taken.sum()} of {len(problems)} problems; a bound holds in {holds[taken].sum()} of them")
     print(f"{'':<22}{'setup':>9}{'solve':>9}   {'error, widths':>19}{'alpha, deg':>19}{'W_x, kt':>19}")
