@@ -1,8 +1,8 @@
-"""Compiled frames, in ratios: ``python benchmarks/native.py [--casadi]``.
+"""Compiled frames, in ratios: ``python benchmarks/native.py``.
 
-The flagship's frame in C against its numpy reference, a batch on one core against single frames on the same core, from sheet
-to first C frame cold and cached, and (``--casadi``) against the same algorithm in CasADi SX. The sides take turns; the ratio
-is taken pair by pair in processor time, and its median printed.
+The flagship's frame in C against its numpy reference, a batch on one core against single frames on the same core, and from
+sheet to first C frame cold and cached. The sides take turns; the ratio is taken pair by pair in processor time, and its median
+printed.
 """
 
 from __future__ import annotations
@@ -32,8 +32,6 @@ NEEDED = {
     "batch 32": 5.0,
     "cold": 2.0,
     "cached": 0.3,
-    "casadi C": 1.3,
-    "casadi VM": 20.0,
 }
 FIRST_FRAME = """
 import resource, time, numpy
@@ -53,7 +51,6 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=300, help="of the numpy reference; C runs ten times as many")
     parser.add_argument("--flights", type=int, default=64)
     parser.add_argument("--repeat", type=int, default=7)
-    parser.add_argument("--casadi", action="store_true", help="also against CasADi SX (takes a minute)")
     options = parser.parse_args()
     compiler = find_compiler()
     if compiler is None:
@@ -65,8 +62,6 @@ def main() -> None:
     for real in (64, 32):
         batch_against_single(sheet, recorded, real, options.flights, options.repeat)
     first_frame(options.repeat)
-    if options.casadi:
-        against_casadi(sheet, recorded, options.repeat)
 
 
 def against_numpy(sheet: LoadedSheet, recorded: dict[str, Any], frames: int, repeat: int) -> None:
@@ -122,37 +117,6 @@ def first_frame(repeat: int) -> None:
         print(
             f"sheet to first C frame, {what:<6}  {wall:6.2f} s, {used:.2f} s of processor; needed: under {NEEDED[what]} s"
         )
-
-
-def against_casadi(sheet: LoadedSheet, recorded: dict[str, Any], repeat: int) -> None:
-    """The same frame in CasADi SX: its C (the better of gcc and clang, each side), and its virtual machine."""
-    from benchmarks.casadi_frame import CasadiFrames, casadi_function, largest_difference, run_machine
-
-    program = sheet.frame_program
-    frames = 1500
-    inputs = {name: np.asarray(array, dtype=float)[:frames] for name, array in recorded.items()}
-    rows = np.concatenate([inputs[port.name].reshape(frames, -1) for port in program.inputs], axis=1)
-    function = casadi_function(program)
-    ours, theirs = {}, {}
-    with tempfile.TemporaryDirectory() as folder:
-        for compiler in ("gcc", "clang"):
-            os.environ["SAOFLOW_CC"] = compiler
-            ours[compiler] = sheet.simulator(backend="c")
-            for level in ("-O1", "-O2"):
-                command = [compiler, level, "-march=native", "-ffp-contract=off"]
-                theirs[f"{compiler} {level}"] = CasadiFrames(function, program, Path(folder), command)
-        found = next(iter(ours.values())).run(inputs)
-        flat = np.concatenate([found[port.name].reshape(frames, -1) for port in program.outputs], axis=1)
-        print(f"CasADi: {function.n_instructions()} instructions; ", end="")
-        print(f"its outputs are within {largest_difference(next(iter(theirs.values())).run(rows), flat):.1e} of ours")
-        pairs, machine = [], []
-        for _ in range(repeat):
-            fast = min(seconds(lambda s=s: (s.reset(), s.run(inputs))) for s in ours.values()) / frames
-            slow = min(seconds(lambda t=t: t.run(rows)) for t in theirs.values()) / frames
-            pairs.append((slow, fast))
-            machine.append((seconds(lambda: run_machine(function, program, rows)) / frames, fast))
-    told("casadi C", "CasADi's C / C, better compiler each", pairs)
-    told("casadi VM", "CasADi's virtual machine / C", machine)
 
 
 def told(what: str, text: str, pairs: list[tuple[float, float]]) -> None:
