@@ -11,7 +11,7 @@ from verification.cleanliness.subjects import Subject
 from verification.cleanliness.tools import run
 
 WARNINGS = (
-    "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wfloat-equal", "-Werror",
+    "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wfloat-equal", "-Wvla", "-Werror",
 )  # fmt: skip
 ALLOWED_UNDEFINED = frozenset({"memcpy", "memset"})
 """What a compiler may call by itself in freestanding code (and memmove, memcmp, which it has no cause for)."""

@@ -60,7 +60,7 @@ class Misra:
             "--addon=misra",
             "--enable=style",
             "--check-level=reduced",
-            "--performance-valueflow-max-time=1",
+            "--performance-valueflow-max-time=0",
             "--suppress=missingIncludeSystem",
             "--quiet",
             "--template={file}:{line}:{severity}:{id}:{message}",
