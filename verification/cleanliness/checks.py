@@ -64,7 +64,7 @@ def sanitized(compiler: str) -> Callable[[Subject], Found]:
         built = run((compiler, *flags, subject.source.name, "main.c", "-o", program), subject.folder)
         if built.code:
             return Found(built.complaint())
-        done = run((f"./{program}", "in.bin", f"{program}.out"), subject.folder)
+        done = run((f"./{program}", "in.bin", f"{program}.out", str(subject.frames)), subject.folder)
         return Found(done.complaint() or _short(subject, f"{program}.out"))
 
     return look
@@ -79,7 +79,7 @@ def valgrind(subject: Subject) -> Found:
     if built.code:
         return Found(built.complaint())
     command = ("valgrind", "--quiet", "--error-exitcode=9", "--track-origins=no", "--max-stackframe=8000000")
-    done = run((*command, "./plain", "in.bin", "plain.out"), subject.folder)
+    done = run((*command, "./plain", "in.bin", "plain.out", str(subject.frames)), subject.folder)
     return Found(done.complaint() or _short(subject, "plain.out"))
 
 

@@ -62,7 +62,7 @@ STEP = "void s_step("
 BODY = "    output->z"
 PLANTED = {
     "a conversion": ("warnings, gcc -O2", BODY, "    { const float lost = (float)1 * input->u[0]; (void)lost; }\n" + BODY),
-    "comparing reals": ("warnings, clang -O2", BODY, "    if (input->u[0] == 1.0) { output->z[0] = 0.0; }\n" + BODY),
+    "comparing reals": ("warnings, clang -O2", BODY, "    if (input->u[0] == input->u[1]) { output->z[0] = 0.0; }\n" + BODY),
     "past the end": ("sanitizers, gcc", BODY, "    { volatile int k = 3; state->before[0] = input->u[k]; }\n" + BODY),
     "too large for int": ("sanitizers, clang", BODY, "    { volatile int k = 2147483647; ++k; k = k + 1; k = -2147483647 - k; }\n" + BODY),
     "never set": ("valgrind", BODY, "    { double x[2]; if (x[input->c] > 0.0) { state->before[0] = 1.0; } }\n" + BODY),
