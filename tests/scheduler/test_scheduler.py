@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import networkx as nx
 import numpy as np
 import pytest
 
@@ -214,3 +215,26 @@ def test_a_frame_over_budget_is_refused_before_it_runs(tmp_path: Path) -> None:
         sheet.simulator()
     assert "2 operations, 1 allowed" in str(caught.value)
     sheet_of(tmp_path, text.replace("operations: 1", "operations: 2")).simulator()
+
+
+def test_the_netlist_is_a_graph_of_every_symbol_of_every_instance(tmp_path: Path) -> None:
+    write(tmp_path, "lag", FOLD)
+    sheet = sheet_of(
+        tmp_path,
+        """
+        sheet: s
+        inputs: {u: {shape: [2]}}
+        blocks:
+          all: {fold: lag, count: 2, carry: {x: before}, each: {u: u}}
+          before: {delay: "all.x[-1]", initial: 0}
+        outputs: {y: "all.x[-1]"}
+        """,
+    )
+    graph = sheet.graph()
+    assert {f"all[{i}].{name}" for i in (0, 1) for name in ("e", "k1", "k6", "x_next")} <= set(graph)
+    assert graph.nodes["all[1].k2"]["symbol"] == "mul"
+    assert graph.has_edge("all[0].x_next", "all[1].e") and graph.has_edge("before", "all[0].e")
+    assert graph.has_edge("all[1].x_next", "before") and graph.has_edge("all[1].x_next", "output y")
+    assert not nx.is_directed_acyclic_graph(graph)
+    within_the_frame = nx.DiGraph((a, b) for a, b, edge in graph.edges(data=True) if edge["feeds_through"])
+    assert nx.is_directed_acyclic_graph(within_the_frame)
