@@ -49,24 +49,18 @@ def _one_given(scope: Scope, parameter: Parameter, argument: Argument) -> Given 
     if parameter.kind == "unit":
         items = argument.value.items if isinstance(argument.value, Array) else None
         return unit_of(scope, items, argument.text, argument.position)
-    if argument.value is None:
-        scope.report(
-            "E111",
-            f"`{argument.name.text}` is no expression",
-            argument.position,
-            f"`{argument.text}` cannot be read as numbers, parameters and + - * / ^",
-            "write a number or an expression of parameters",
-        )
+    expression = scope.expression_of(argument)
+    if expression is None:
         return None
     try:
         if parameter.kind == "formula":
-            formula = formula_of(argument.value, scope.parameters)
+            formula = formula_of(expression, scope.parameters)
             return Given(formula=formula, word=argument.text or str(formula))
     except DiagnosisError as error:
         for diagnosis in error.diagnoses:
             scope.found.add(replace(diagnosis, source_line=scope.sources.line(diagnosis.position)))
         return None
-    quantity = scope.value_of(argument.value)
+    quantity = scope.value_of(expression)
     if quantity is None:
         return None
     if quantity.text is not None:

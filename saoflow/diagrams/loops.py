@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 
+def is_loop(component: Sequence[int], neighbours: Callable[[int], Sequence[int]]) -> bool:
+    """Whether a strong component is a loop: several nodes, or one that is its own neighbour."""
+    return len(component) > 1 or component[0] in neighbours(component[0])
+
+
 def strong_components(nodes: Iterable[int], neighbours: Callable[[int], Sequence[int]]) -> Iterator[list[int]]:
     """Tarjan's algorithm with an explicit stack; components come in reverse topological order of ``neighbours``."""
     number: dict[int, int] = {}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from saoflow.diagnosis import Position, did_you_mean
+from saoflow.diagrams.expression import Expression
 from saoflow.diagrams.expression_value import Quantity, names_in
-from saoflow.diagrams.loops import strong_components
+from saoflow.diagrams.loops import is_loop, strong_components
 from saoflow.diagrams.scope import Scope
 from saoflow.diagrams.sheet import Argument, ParameterDeclaration, Sheet
 from saoflow.units import Unit, conversion_hint
@@ -56,7 +57,8 @@ def settle(
             )
             fine = False
             continue
-        quantity = _argument(scope, argument, names)
+        expression = scope.expression_of(argument)
+        quantity = None if expression is None else scope.value_of(expression, names)
         checked = None if quantity is None else _with_unit(scope, quantity, declared[name], argument.position)
         if checked is None:
             failed.add(name)
@@ -64,19 +66,6 @@ def settle(
             given[name] = checked
     values = complete(scope, sheet, given, scope.parameters, used, scope.broken_parameters | failed)
     return values if fine and not failed and not values.broken else None
-
-
-def _argument(scope: Scope, argument: Argument, names: Mapping[str, Quantity]) -> Quantity | None:
-    if argument.value is None:
-        scope.report(
-            "E111",
-            f"`{argument.name.text}` is no expression",
-            argument.position,
-            f"`{argument.text}` cannot be read as numbers, parameters and + - * / ^",
-            "write a number or an expression of parameters",
-        )
-        return None
-    return scope.value_of(argument.value, names)
 
 
 def complete(
@@ -92,14 +81,14 @@ def complete(
     ``silent`` names parameters around whose absence is already diagnosed.
     """
     values: dict[str, Quantity] = {}
-    broken: list[str] = []
-    for declaration in _by_dependence(scope, sheet, given):
+    ordered, broken = _by_dependence(scope, sheet, given)
+    for declaration in ordered:
         name = declaration.name.text
         quantity: Quantity | None = None
         if name in given:
             quantity = given[name]
         elif declaration.value is not None:
-            if not any(n.text in broken for n in names_in(declaration.value)):
+            if not _uses_any(declaration.value, broken):
                 quantity = scope.value_of(declaration.value, values)
             if quantity is not None:
                 quantity = _with_unit(scope, quantity, declaration, declaration.value.position)
@@ -107,18 +96,23 @@ def complete(
             quantity = _with_unit(scope, around[name], declaration, declaration.name.position)
         elif name not in silent:
             _no_value(scope, sheet, declaration, used)
-        if quantity is not None and not _in_range(scope, quantity, declaration, values):
-            quantity = None
+        if quantity is not None and not _uses_any(declaration.range, broken):
+            quantity = quantity if _in_range(scope, quantity, declaration, values) else None
         if quantity is None:
             broken.append(name)
-            scope.broken_parameters.add(name)
         else:
             values[name] = quantity
     return ParameterValues(tuple(values.items()), tuple(broken))
 
 
-def _by_dependence(scope: Scope, sheet: Sheet, given: Mapping[str, Quantity]) -> list[ParameterDeclaration]:
-    """The declarations, each after those that its default and range use; circles are diagnosed and left out."""
+def _uses_any(expression: Expression | None, names: Collection[str]) -> bool:
+    return expression is not None and any(n.text in names for n in names_in(expression))
+
+
+def _by_dependence(
+    scope: Scope, sheet: Sheet, given: Mapping[str, Quantity]
+) -> tuple[list[ParameterDeclaration], list[str]]:
+    """The declarations, each after those that its default and range use; and those in circles, which are diagnosed."""
     declared = {p.name.text: i for i, p in enumerate(sheet.parameters)}
 
     def uses(i: int) -> list[int]:
@@ -127,9 +121,10 @@ def _by_dependence(scope: Scope, sheet: Sheet, given: Mapping[str, Quantity]) ->
         return [declared[n.text] for e in read if e is not None for n in names_in(e) if n.text in declared]
 
     ordered: list[ParameterDeclaration] = []
+    circular: list[str] = []
     for component in strong_components(range(len(sheet.parameters)), uses):
         first = sheet.parameters[min(component)]
-        if len(component) == 1 and component[0] not in uses(component[0]):
+        if not is_loop(component, uses):
             ordered.append(first)
             continue
         names = [f"`{sheet.parameters[i].name.text}`" for i in sorted(component)]
@@ -140,8 +135,8 @@ def _by_dependence(scope: Scope, sheet: Sheet, given: Mapping[str, Quantity]) ->
             "its default needs its own value" if len(names) == 1 else f"{', '.join(names)} need each other",
             "give one of them a value that does not need the others",
         )
-        scope.broken_parameters.update(sheet.parameters[i].name.text for i in component)
-    return ordered
+        circular += [sheet.parameters[i].name.text for i in component]
+    return ordered, circular
 
 
 def _in_range(

@@ -9,6 +9,7 @@ from saoflow.diagnosis import Diagnoses, Diagnosis, DiagnosisError, Note, Positi
 from saoflow.diagrams.expression import Expression
 from saoflow.diagrams.expression_value import Quantity, evaluate
 from saoflow.diagrams.netlist import POISON, Node, SourceLines
+from saoflow.diagrams.sheet import Argument
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,18 @@ class Scope:
             Diagnosis(code, message, position, cause, remedy, label, tuple(notes), self.sources.line(position))
         )
         return POISON
+
+    def expression_of(self, argument: Argument) -> Expression | None:
+        """What is given as an expression; None after a diagnosis if it is none."""
+        if argument.value is None:
+            self.report(
+                "E111",
+                f"`{argument.name.text}` is no expression",
+                argument.position,
+                f"`{argument.text}` cannot be read as numbers, parameters and + - * / ^",
+                "write a number or an expression of parameters",
+            )
+        return argument.value
 
     def value_of(self, expression: Expression, names: Mapping[str, Quantity] | None = None) -> Quantity | None:
         """The value of an expression of parameters; None after a diagnosis."""
