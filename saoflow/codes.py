@@ -68,7 +68,6 @@ CODES: dict[str, str] = {
     "E603": "an option's value is not valid",
     "E604": "no reference for the sheet",
     "E605": "an optional package is not installed",
-    "E606": "no such flight or aircraft",
     "E607": "the backend is not available",
     "E608": "no such target",
     "E609": "the command line cannot be understood",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -90,8 +91,7 @@ def _join(parts: list[np.ndarray], axis: str) -> np.ndarray:
     return np.concatenate(_same(tall, lambda p: p.shape[1:]), axis=0)
 
 
-def _same(parts: list[np.ndarray], key: object) -> list[np.ndarray]:
-    assert callable(key)
+def _same(parts: list[np.ndarray], key: Callable[[np.ndarray], tuple[int, ...]]) -> list[np.ndarray]:
     for i, part in enumerate(parts):
         if key(part) != key(parts[0]):
             raise SymbolProblem(

@@ -34,10 +34,10 @@ from saoflow.diagrams.parameter_arithmetic import (
     Arithmetic,
     Quantity,
     argument_counts,
-    shape_text,
     word,
 )
 from saoflow.units import collapse, per_element
+from saoflow.wires import shape_text
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "Quantity", "evaluate", "names_in", "word"]
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from saoflow.blocks.concatenate import Concatenate
-from saoflow.blocks.constant import Constant, Value
-from saoflow.blocks.diagonal import Diagonal
+from saoflow.blocks.constant import Value
 from saoflow.blocks.library import SYMBOLS, AnySymbol
-from saoflow.blocks.mul import Mul, Product
-from saoflow.blocks.select import Select, Selection, Span
-from saoflow.blocks.transpose import Transpose
+from saoflow.blocks.mul import Product
+from saoflow.blocks.select import Selection, Span
 from saoflow.diagnosis import Position, did_you_mean
 from saoflow.diagrams.expression import (
     Array,
@@ -29,11 +26,8 @@ from saoflow.diagrams.expression_value import Quantity, names_in
 from saoflow.diagrams.netlist import POISON, Node
 from saoflow.diagrams.scope import POISONED, Ports, Scope
 
-SELECT, TRANSPOSE, DIAGONAL, CONCATENATE = (SYMBOLS[s] for s in ("select", "transpose", "diagonal", "concatenate"))
-assert isinstance(SELECT, Select) and isinstance(TRANSPOSE, Transpose)
-assert isinstance(DIAGONAL, Diagonal) and isinstance(CONCATENATE, Concatenate)
-CONSTANT, MUL = SYMBOLS["constant"], SYMBOLS["mul"]
-assert isinstance(CONSTANT, Constant) and isinstance(MUL, Mul)
+SELECT, TRANSPOSE, DIAGONAL = SYMBOLS["select"], SYMBOLS["transpose"], SYMBOLS["diagonal"]
+CONCATENATE, CONSTANT, MUL = SYMBOLS["concatenate"], SYMBOLS["constant"], SYMBOLS["mul"]
 
 
 class Operands:

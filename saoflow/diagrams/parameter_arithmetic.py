@@ -23,6 +23,7 @@ from saoflow.units import (
     per_element,
     units_text,
 )
+from saoflow.wires import shape_text
 
 Numbers = NDArray[np.float64]
 
@@ -88,11 +89,6 @@ _OPERATIONS: dict[str, Callable[[Numbers, Numbers], Numbers]] = {
     "min": lambda a, b: np.where(a < b, a, b),
     "max": lambda a, b: np.where(a > b, a, b),
 }
-
-
-def shape_text(shape: tuple[int, ...]) -> str:
-    """``[4, 3]``, or ``a scalar``."""
-    return f"[{', '.join(map(str, shape))}]" if shape else "a scalar"
 
 
 class Arithmetic:

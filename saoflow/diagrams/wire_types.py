@@ -8,11 +8,12 @@ sub-sheet only seems to close the loop: then the sub-sheet is laid out in place.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from saoflow.blocks.delay import Delay, merge_units
 from saoflow.blocks.symbol import SymbolProblem, need_room, need_units
 from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
+from saoflow.diagrams.loops import is_loop, strong_components
 from saoflow.diagrams.netlist import POISON, Body, InputPort, Node, OutputPort, SourceLines, Structure
 from saoflow.diagrams.splice import laid_out
 from saoflow.units import conversion_hint, conversion_remedy, first_mismatch
@@ -63,6 +64,29 @@ class Typer:
         )
 
 
+class _Wave:
+    """Which nodes wait for how many unknown wires, and which are ready."""
+
+    def __init__(self, nodes: Sequence[Node], types: Sequence[WireType | None]) -> None:
+        self.waiting = [0] * len(nodes)
+        self.done = [False] * len(nodes)
+        self._users: dict[int, list[int]] = {}
+        for i, node in enumerate(nodes):
+            for wire in {w for w in node.inputs if w is not None}:
+                if wire == POISON or types[wire] is None:
+                    self.waiting[i] += 1
+                    self._users.setdefault(wire, []).append(i)
+        self.ready = deque(i for i, count in enumerate(self.waiting) if not count)
+
+    def know(self, wires: Iterable[int]) -> None:
+        """The types of these wires are known: the nodes that waited for nothing else are ready."""
+        for wire in wires:
+            for user in self._users.get(wire, ()):
+                self.waiting[user] -= 1
+                if not self.waiting[user]:
+                    self.ready.append(user)
+
+
 class _StructureTyper:
     def __init__(self, typer: Typer, structure: Structure, inputs: InputTypes) -> None:
         self.typer = typer
@@ -98,36 +122,27 @@ class _StructureTyper:
     def _spread(self) -> list[int]:
         """Type every node that can be typed; returns those that wait for ever."""
         nodes = self.structure.nodes
-        waiting = [0] * len(nodes)
-        users: dict[int, list[int]] = {}
-        for i, node in enumerate(nodes):
-            for wire in {w for w in node.inputs if w is not None}:
-                if wire == POISON or self.types[wire] is None:
-                    waiting[i] += 1
-                    users.setdefault(wire, []).append(i)
-        done = [False] * len(nodes)
-        ready = deque(i for i in range(len(nodes)) if not waiting[i])
-        hidden = [i for i, node in enumerate(nodes) if isinstance(node.symbol, Delay) and waiting[i]]
+        wave = _Wave(nodes, self.types)
+        hidden = [i for i, node in enumerate(nodes) if isinstance(node.symbol, Delay) and wave.waiting[i]]
         delays = deque(sorted(hidden, key=lambda i: nodes[i].configuration.shape is None))
         while True:
-            while ready:
-                i = ready.popleft()
-                if done[i]:
-                    continue
-                done[i] = True
-                for wire in self._type_node(i, nodes[i]):
-                    for user in users.get(wire, ()):
-                        waiting[user] -= 1
-                        if not waiting[user]:
-                            ready.append(user)
-            while delays and done[delays[0]]:
+            self._type_ready(wave)
+            while delays and wave.done[delays[0]]:
                 delays.popleft()
             if not delays:
                 break
             guess = delays.popleft()
             self.assumed.add(guess)
-            ready.append(guess)
-        return [i for i in range(len(nodes)) if not done[i]]
+            wave.ready.append(guess)
+        return [i for i in range(len(nodes)) if not wave.done[i]]
+
+    def _type_ready(self, wave: _Wave) -> None:
+        """Type the nodes whose operands are known, and those that become so."""
+        while wave.ready:
+            i = wave.ready.popleft()
+            if not wave.done[i]:
+                wave.done[i] = True
+                wave.know(self._type_node(i, self.structure.nodes[i]))
 
     def _type_node(self, i: int, node: Node) -> Iterable[int]:
         """Type one node; returns the wires that are now known."""
@@ -248,8 +263,6 @@ class _StructureTyper:
 
     def _in_loops(self, stuck: list[int]) -> set[int]:
         """The stuck nodes that lie on a loop (strongly connected)."""
-        from saoflow.diagrams.loops import strong_components
-
         members = set(stuck)
         nodes = self.structure.nodes
 
@@ -259,7 +272,7 @@ class _StructureTyper:
 
         found: set[int] = set()
         for component in strong_components(stuck, before):
-            if len(component) > 1 or component[0] in before(component[0]):
+            if is_loop(component, before):
                 found.update(component)
         return found
 
@@ -286,27 +299,10 @@ class _StructureTyper:
             self._input_types()
             for wire, wire_type in known.items():
                 self.types[wire] = wire_type
-            self._respread()
-
-    def _respread(self) -> None:
-        """Type everything again with the delays' outputs known."""
-        nodes = self.structure.nodes
-        waiting = [0] * len(nodes)
-        users: dict[int, list[int]] = {}
-        for i, node in enumerate(nodes):
-            if i in self.assumed:
-                continue
-            for wire in {w for w in node.inputs if w is not None and (w == POISON or self.types[w] is None)}:
-                waiting[i] += 1
-                users.setdefault(wire, []).append(i)
-        ready = deque(i for i in range(len(nodes)) if not waiting[i] and i not in self.assumed)
-        while ready:
-            i = ready.popleft()
-            for wire in self._type_node(i, nodes[i]):
-                for user in users.get(wire, ()):
-                    waiting[user] -= 1
-                    if not waiting[user]:
-                        ready.append(user)
+            wave = _Wave(self.structure.nodes, self.types)
+            for i in self.assumed:
+                wave.done[i] = True
+            self._type_ready(wave)
 
     def _check_delays(self) -> None:
         for node in self.structure.nodes:

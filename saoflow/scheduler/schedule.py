@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 from saoflow.diagnosis import Diagnoses, Diagnosis, Note, Position
-from saoflow.diagrams.loops import strong_components
+from saoflow.diagrams.loops import is_loop, strong_components
 from saoflow.diagrams.netlist import POISON, Body, Netlist, Node, SourceLines
 
 
@@ -78,7 +78,7 @@ def _report_loops(
         return [p for p in _producers(body.nodes[i], produced_by) if p in members]
 
     for component in strong_components(stuck, before):
-        if len(component) > 1 or component[0] in before(component[0]):
+        if is_loop(component, before):
             loop = _shortest_loop(set(component), before)
             _report_loop(body, loop, produced_by, found, sources)
 

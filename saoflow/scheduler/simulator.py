@@ -155,9 +155,8 @@ class Simulator:
                         progress(done * frames // (frames * -(-count // CHUNK)))
                 chunks.append(tuple(np.broadcast_to(slot, (stop - start,)) for slot in part))
         self._state = tuple(np.concatenate(slots) for slots in zip(*chunks, strict=True)) if chunks else state
-        self._flights, self._frame = (count if flights is not None else None), self._frame + frames
+        self._flights, self._frame = flights, self._frame + frames
         if flights is None:
-            self._flights = None
             return self._named(out[0], (frames,))
         return self._named(out, (flights, frames))
 
