@@ -366,4 +366,4 @@ def test_the_command_replaces_the_table_and_nothing_else(
     assert lean_table.main(["-o", str(tmp_path / "missing.md")]) == 2
     (tmp_path / "bare.md").write_text("no table\n", encoding="utf-8")
     assert lean_table.main(["-o", str(tmp_path / "bare.md")]) == 2
-    assert list(tmp_path.glob("*.new")) == []
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bare.md", "lean.md"]

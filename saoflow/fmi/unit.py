@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import math
@@ -22,6 +21,7 @@ from saoflow.fmi.binary import compile_binary, this_platform
 from saoflow.fmi.description import Facts, build_description, model_description
 from saoflow.fmi.model_c import model_header
 from saoflow.fmi.variables import Variable, scalars, variables
+from saoflow.whole_file import write_whole
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
@@ -171,15 +171,10 @@ def write_unit(unit: Unit, path: str | Path) -> Path:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             file.writestr(entry, content)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        temporary.write_bytes(archive.getbuffer())
-        os.replace(temporary, target)
+        write_whole(target, archive.getvalue())
     except OSError as error:
         raise _unwritable(path, error.strerror or str(error), "make room, or name another file") from None
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
     return target
 
 

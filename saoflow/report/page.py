@@ -16,6 +16,7 @@ from saoflow.report.estimator import Shown, estimator_plots
 from saoflow.report.others import difference_plots, draw_budget, output_plots
 from saoflow.report.panels import draw
 from saoflow.report.style import css_colours, style, svg
+from saoflow.whole_file import write_whole
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
@@ -82,12 +83,9 @@ def write_report(path: str | os.PathLike[str], report: Report, progress: Callabl
     """Write the page, all of it or nothing. Raises DiagnosisError E601 if the file cannot be written."""
     text = render_report(report, progress)
     target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, target)
+        write_whole(target, text.encode("utf-8"))
     except OSError as error:
-        temporary.unlink(missing_ok=True)
         raise DiagnosisError(
             [
                 Diagnosis(

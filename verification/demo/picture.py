@@ -6,7 +6,7 @@ Airspeed, residual and horizontal wind, CMHE-FTE beside UMHE-FTE, as in Fig. 4 o
 from __future__ import annotations
 
 import argparse
-import os
+import io
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from saoflow.report.estimator import estimator_plots
 from saoflow.report.panels import BOTTOM, GUTTER, LEFT, TOP, WIDTH, draw_panel, limits_of_plot
 from saoflow.report.style import LIGHT, style
+from saoflow.whole_file import write_whole
 from verification.demo.files import page_of
 from verification.demo.result import DemoResult
 from verification.demo.run import run_demo
@@ -59,11 +60,10 @@ def picture(result: DemoResult) -> Figure:
 
 def write_picture(result: DemoResult, path: str | Path) -> None:
     """Write the picture as PNG, all of it or nothing."""
-    target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    drawn = io.BytesIO()
     with style("picture"):
-        picture(result).savefig(temporary, format="png", dpi=150, metadata={"Software": None})
-    os.replace(temporary, target)
+        picture(result).savefig(drawn, format="png", dpi=150, metadata={"Software": None})
+    write_whole(path, drawn.getvalue())
 
 
 def main() -> None:

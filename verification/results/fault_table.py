@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from saoflow.whole_file import write_whole
 from verification.flights import KINDS
 from verification.results.faults import (
     DURATION,
@@ -140,9 +141,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if output is None:
         print(text)
         return 0
-    temporary = output.with_name(f".{output.name}.{os.getpid()}.part")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, output)
+    write_whole(output, text.encode("utf-8"))
     return 0
 
 

@@ -9,13 +9,13 @@ With ``-o`` the table takes the place of the one in the document.
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from saoflow import DiagnosisError
+from saoflow.whole_file import write_whole
 from verification.results.lean_variants import VARIANTS, Variant, loaded
 
 TABLE = re.compile(r"^\|.*\n(?:\|.*\n)+", re.MULTILINE)
@@ -74,9 +74,7 @@ def main(arguments: list[str] | None = None) -> int:
         if not found:
             print(f"{output} has no table to replace", file=sys.stderr)
             return 2
-        beside = output.with_name(output.name + ".new")
-        beside.write_text(document, encoding="utf-8")
-        os.replace(beside, output)
+        write_whole(output, document.encode("utf-8"))
     except OSError as error:
         print(f"{output}: {error.strerror}", file=sys.stderr)
         return 2
