@@ -59,7 +59,7 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     """Read the sheet in a file. Raises DiagnosisError with everything that is wrong (E1xx, E222)."""
     file = os.fspath(path)
     with collector_paused():
-        return _read(SourceText(file, _file_text(file)))
+        return _read(SourceText(file, file_text(file)))
 
 
 def read_text(text: str, file: str) -> Sheet:
@@ -71,7 +71,7 @@ def read_text(text: str, file: str) -> Sheet:
 # ---------------------------------------------------------------- the file
 
 
-def _file_text(file: str) -> str:
+def file_text(file: str) -> str:
     """The text of a file. Raises DiagnosisError: E101 unreadable, E104 not text, E110 too large."""
     start = Position(file, 1, 1)
 
