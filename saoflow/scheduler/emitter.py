@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from saoflow.operations import COMMUTATIVE, ONE, ZERO, Atom, Kind, Literal, Table
-from saoflow.scheduler.program import Operation, Origin, ProgramBody
+from saoflow.scheduler.program import Operation, Origin, ProgramBody, TracedScope
 
 
 class TableNumbers:
@@ -42,6 +42,7 @@ class Emitter:
         self.booleans: list[bool] = []
         self.parameters: list[int] = []
         self.origins: list[Origin] = []
+        self.traced: list[TracedScope] = []
         self._shared: dict[tuple[Kind, tuple[Atom, ...], int], int] = {}
         self._origin = -1
 
@@ -72,6 +73,7 @@ class Emitter:
             results,
             tuple(self.booleans),
             tuple(self.origins),
+            tuple(self.traced),
         )
 
     def is_boolean(self, atom: Atom) -> bool:

@@ -15,7 +15,7 @@ from saoflow.blocks.delay import Delay
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
 from saoflow.operations import Atom, Kind, Literal, Tensor
 from saoflow.scheduler.emitter import Emitter, TableNumbers
-from saoflow.scheduler.program import FrameProgram, Origin, ProgramBody, ProgramPort, RateGroup, StateSlot
+from saoflow.scheduler.program import FrameProgram, Origin, ProgramBody, ProgramPort, RateGroup, StateSlot, TracedScope
 from saoflow.scheduler.schedule import Schedule
 
 SMALL = 10
@@ -33,20 +33,32 @@ class _Procedure:
     outputs: tuple[Tensor, ...]
 
 
-def lower(schedule: Schedule, *, real: int = 64, probes: Collection[str] = (), simplify: bool = True) -> FrameProgram:
+def lower(
+    schedule: Schedule,
+    *,
+    real: int = 64,
+    probes: Collection[str] = (),
+    simplify: bool = True,
+    traced: bool = False,
+) -> FrameProgram:
     """Lower a schedule. ``probes`` are paths of wires (``step3.ip[2].stages[1].K``).
+
+    ``traced`` keeps with every body where each wire of each instance in it is.
 
     Raises DiagnosisError E303 for a probe that does not exist.
     """
-    return _Lowering(schedule, real, tuple(probes), simplify).program()
+    return _Lowering(schedule, real, tuple(probes), simplify, traced).program()
 
 
 class _Lowering:
-    def __init__(self, schedule: Schedule, real: int, probes: tuple[str, ...], simplify: bool) -> None:
+    def __init__(
+        self, schedule: Schedule, real: int, probes: tuple[str, ...], simplify: bool, traced: bool
+    ) -> None:
         self.root = schedule
         self.real = real
         self.probes = probes
         self.simplify = simplify
+        self.traced = traced
         self.tables = TableNumbers()
         self.procedures: list[ProgramBody] = []
         self.states: list[StateSlot] = []
@@ -113,6 +125,8 @@ class _Lowering:
         for i, first in writes:
             self._write(schedule, i, first, emit, prefix, tensors)
         self._take_probes(schedule, tensors, full)
+        if self.traced:
+            emit.traced.append(TracedScope(prefix, tuple(tensors.get(w) for w in range(body.structure.wire_count))))
         return tuple(tensors[port.wire] for port in body.structure.outputs)
 
     # -- state

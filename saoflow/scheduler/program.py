@@ -29,6 +29,16 @@ class Operation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class TracedScope:
+    """Where every wire of a netlist body is, in the program body that it was lowered into."""
+
+    path: str
+    """The path of the instance inside the program body, with a dot at its end; "" for the body's own sheet."""
+    tensors: tuple[Tensor | None, ...]
+    """By wire number."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ProgramBody:
     """A list of operations in their order, with what goes in and what comes out.
 
@@ -43,6 +53,8 @@ class ProgramBody:
     booleans: tuple[bool, ...]
     """By value number: boolean or real."""
     origins: tuple[Origin, ...]
+    traced: tuple[TracedScope, ...] = ()
+    """Every wire of every instance laid out in it, if it was lowered to be traced."""
 
     @property
     def value_count(self) -> int:
