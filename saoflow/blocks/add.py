@@ -17,6 +17,7 @@ class Add(Symbol[tuple[int, ...]]):
     name: ClassVar[str] = "add"
     summary: ClassVar[str] = "sum of the operands, left to right; write -x to subtract"
     equation: ClassVar[str] = "y = ± u1 ± u2 ± ..."
+    glyph: ClassVar[str] = '<text class="sign">Σ</text>'
     examples: ClassVar[tuple[str, ...]] = (
         "{add: [x, y, -z]}",
         "{add: [v, -w]}",

@@ -19,6 +19,7 @@ class Compare(Symbol[str]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "is the relation true? with NaN it is false"
     equation: ClassVar[str] = "y = (a relation b)"
+    glyph: ClassVar[str] = '<text class="sign">&lt;</text>'
     examples: ClassVar[tuple[str, ...]] = (
         '{compare: [x, y], relation: ">"}',
         '{compare: [v, 0], relation: "<="}',
@@ -29,6 +30,11 @@ class Compare(Symbol[str]):
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> str:
         """The relation. Raises SymbolProblem E208."""
         return word_of(arguments, RELATION)
+
+    def glyph_of(self, configuration: str) -> str:
+        """The relation."""
+        shown = {"<": "&lt;", ">": "&gt;", "<=": "≤", ">=": "≥"}[configuration]
+        return f'<text class="sign">{shown}</text>'
 
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: str) -> WireType:
         """Boolean, of the common shape; both sides in one unit."""

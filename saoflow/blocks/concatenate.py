@@ -35,6 +35,7 @@ class Concatenate(Symbol[str]):
     name: ClassVar[str] = "concatenate"
     summary: ClassVar[str] = "joins wires along an axis; as an operand: [a, b] stacks along a new first axis"
     equation: ClassVar[str] = "y = [u1; u2; ...]"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-12-12H-4V12H-12M-4 0H12"/>'
     examples: ClassVar[tuple[str, ...]] = (
         "{concatenate: [x, v]}",
         "{concatenate: [A, B], axis: columns}",

@@ -28,6 +28,7 @@ class Constant(Symbol[Value]):
     name: ClassVar[str] = "constant"
     summary: ClassVar[str] = "a fixed value; costs nothing, and its zeros and ones are left out of products and sums"
     equation: ClassVar[str] = "y = value"
+    glyph: ClassVar[str] = '<text class="sign">c</text>'
     examples: ClassVar[tuple[str, ...]] = (
         "{constant: 9.80665, unit: m/s^2}",
         "{constant: [[1, 0], [0, 1]]}",
@@ -58,6 +59,12 @@ class Constant(Symbol[Value]):
             )
         units = arguments["unit"].unit if "unit" in arguments else given.unit
         return Value(given.array, units, boolean)
+
+    def glyph_of(self, configuration: Value) -> str:
+        """The number, or the shape of what is no number."""
+        array = configuration.array
+        shown = f"{float(array):.4g}" if array.ndim == 0 else "×".join(map(str, array.shape))
+        return f'<text class="word">{shown}</text>'
 
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: Value) -> WireType:
         """The shape of the value."""

@@ -37,6 +37,7 @@ class Delay(Symbol[Memory]):
     name: ClassVar[str] = "delay"
     summary: ClassVar[str] = "the value of n frames ago; before that, the initial value"
     equation: ClassVar[str] = "y_k = u_{k-n};  y_k = initial for k < n"
+    glyph: ClassVar[str] = '<text class="sign">z<tspan class="up" dy="-7">−1</tspan></text>'
     examples: ClassVar[tuple[str, ...]] = (
         "{delay: x, initial: 0}",
         "{delay: v, frames: 2}",
@@ -98,6 +99,10 @@ class Delay(Symbol[Memory]):
                 parameter="initial",
             )
         return shape
+
+    def glyph_of(self, configuration: Memory) -> str:
+        """z to the power of minus the number of frames."""
+        return f'<text class="sign">z<tspan class="up" dy="-7">−{configuration.frames}</tspan></text>'
 
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: Memory) -> WireType:
         """The input may still be unknown (None) while a loop is being typed: then what is declared counts."""

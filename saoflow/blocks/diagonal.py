@@ -16,6 +16,7 @@ class Diagonal(Symbol[None]):
     name: ClassVar[str] = "diagonal"
     summary: ClassVar[str] = "the diagonal matrix of a vector; as an operand: diag(R)"
     equation: ClassVar[str] = "y_ii = u_i, y_ij = 0"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-10-14H-14V14H-10M10-14H14V14H10M-8-8L8 8"/>'
     examples: ClassVar[tuple[str, ...]] = ("{diagonal: v}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a vector"),)
 

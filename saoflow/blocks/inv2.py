@@ -17,6 +17,7 @@ class Inv2(Symbol[None]):
     name: ClassVar[str] = "inv2"
     summary: ClassVar[str] = "inverse of a 2x2 matrix by its adjugate; of diag(x, 1): one reciprocal"
     equation: ClassVar[str] = "[[a, b], [c, d]]^-1 = [[d, -b], [-c, a]] · (1 / (a d - b c))"
+    glyph: ClassVar[str] = '<text class="sign">M<tspan class="up" dy="-7">−1</tspan></text>'
     examples: ClassVar[tuple[str, ...]] = (
         "{inv2: A}",
         '{inv2: "[[x, 0], [0, 1]]"}',

@@ -16,6 +16,7 @@ class LogicalAnd(Gate):
     kind: ClassVar[Kind] = Kind.AND
     summary: ClassVar[str] = "true if every operand is true"
     equation: ClassVar[str] = "y = u1 ∧ u2 ∧ ..."
+    glyph: ClassVar[str] = '<text class="sign">&amp;</text>'
     examples: ClassVar[tuple[str, ...]] = ("{and: [p, q]}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a boolean", boolean=True),)
     variadic: ClassVar[bool] = True

@@ -16,5 +16,6 @@ class LogicalNot(Gate):
     kind: ClassVar[Kind] = Kind.NOT
     summary: ClassVar[str] = "true if the operand is false"
     equation: ClassVar[str] = "y = ¬u"
+    glyph: ClassVar[str] = '<text class="sign">¬</text>'
     examples: ClassVar[tuple[str, ...]] = ("{not: p}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a boolean", boolean=True),)

@@ -16,6 +16,7 @@ class LogicalOr(Gate):
     kind: ClassVar[Kind] = Kind.OR
     summary: ClassVar[str] = "true if any operand is true"
     equation: ClassVar[str] = "y = u1 ∨ u2 ∨ ..."
+    glyph: ClassVar[str] = '<text class="sign">≥1</text>'
     examples: ClassVar[tuple[str, ...]] = ("{or: [p, q]}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a boolean", boolean=True),)
     variadic: ClassVar[bool] = True

@@ -50,6 +50,7 @@ class Lookup(Symbol[TableUse]):
         "table look-up, linear or hold-left; from data, or from a function with a proved largest error"
     )
     equation: ClassVar[str] = "y = table(min(max(u, first), last))"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-16 14V-14M-16 14H16"/><path class="curve" d="M-14 11L-4 6L4-6L14-10"/>'
     examples: ClassVar[tuple[str, ...]] = (
         "{lookup: x, function: sin, range: [0, 1], error: 1e-4}",
         "{lookup: x, breakpoints: [0, 1, 3], values: [5, 6, 6.5]}",
@@ -99,6 +100,14 @@ class Lookup(Symbol[TableUse]):
         output = arguments["unit"].unit if "unit" in arguments else plain
         return TableUse(table, units, output if not isinstance(output, tuple) else None)
 
+    def glyph_of(self, configuration: TableUse) -> str:
+        """The table's own curve; of two axes, its first, middle and last row."""
+        table = configuration.table
+        rows = table.values.reshape(1, -1) if table.values.ndim == 1 else table.values.T[[0, table.values.shape[1] // 2, -1]]
+        return '<path class="stroke" d="M-17 15V-15M-17 15H17"/>' + "".join(
+            _curve(table.breakpoints[0], row, float(rows.min()), float(rows.max()), table.linear) for row in rows
+        )
+
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: TableUse) -> WireType:
         """The common shape of the inputs. Raises SymbolProblem E205, E211."""
         need_real(inputs, self.name)
@@ -130,6 +139,17 @@ class Lookup(Symbol[TableUse]):
         operands = connected(inputs)
         atoms = (emit.lookup(configuration.table, *(element(u, i) for u in operands)) for i in range(output.size))
         return Tensor(output.shape, tuple(atoms))
+
+
+def _curve(x: np.ndarray, y: np.ndarray, low: float, high: float, linear: bool) -> str:
+    """A row of a table as a path inside the glyph, of at most 25 points."""
+    which = np.unique(np.linspace(0, len(x) - 1, min(len(x), 25)).round().astype(int))
+    across = (x[which] - x[0]) / (x[-1] - x[0]) * 30.0 - 15.0
+    up = 12.0 - (y[which] - low) / ((high - low) or 1.0) * 24.0
+    steps = [f"M{across[0]:.1f} {up[0]:.1f}"]
+    for a, b in zip(across[1:], up[1:], strict=True):
+        steps.append(f"L{a:.1f} {b:.1f}" if linear else f"H{a:.1f}V{b:.1f}")
+    return f'<path class="curve" d="{"".join(steps)}"/>'
 
 
 def _function_table(arguments: Arguments, linear: bool) -> Table:

@@ -48,6 +48,7 @@ class Mul(Symbol[Product]):
     name: ClassVar[str] = "mul"
     summary: ClassVar[str] = "product of the operands, left to right: element by element, or of matrices and vectors"
     equation: ClassVar[str] = "y = u1 · u2 · ...;  product: matrix: y_ij = sum_k a_ik b_kj, k increasing"
+    glyph: ClassVar[str] = '<text class="sign">×</text>'
     examples: ClassVar[tuple[str, ...]] = (
         "{mul: [x, y]}",
         "{mul: [A, B], product: matrix}",
@@ -70,6 +71,10 @@ class Mul(Symbol[Product]):
                 parameter="symmetric",
             )
         return Product(matrix, symmetric)
+
+    def glyph_of(self, configuration: Product) -> str:
+        """The element-wise product, or the matrix product."""
+        return '<text class="sign">×</text>' if not configuration.matrix else '<text class="sign">[×]</text>'
 
     def output_type(self, inputs: tuple[WireType | None, ...], configuration: Product) -> WireType:
         """Element-wise: the common shape. Matrix: rows of the first by columns of the last. Units multiply."""

@@ -16,6 +16,7 @@ class Saturation(Symbol[None]):
     name: ClassVar[str] = "saturation"
     summary: ClassVar[str] = "limits a value; NaN comes out as the lower limit"
     equation: ClassVar[str] = "y = min(max(u, low), high)"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-18 0H18M0-18V18"/><path class="curve" d="M-17 11H-9L9-11H17"/>'
     examples: ClassVar[tuple[str, ...]] = (
         "{saturation: x, low: -1, high: y}",
         "{saturation: v, low: 0}",

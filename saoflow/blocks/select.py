@@ -38,6 +38,7 @@ class Select(Symbol[Selection]):
         "elements of a wire, counted from 0, negative from the end; as an operand: x[i], P[i, j], s[:-1]"
     )
     equation: ClassVar[str] = "y = u[i, ...]"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-10-14H-14V14H-10M10-14H14V14H10"/><circle class="dot" r="3"/>'
     examples: ClassVar[tuple[str, ...]] = (
         "{select: v, index: 2}",
         "{select: A, index: [0, 1]}",

@@ -17,6 +17,7 @@ class Switch(Symbol[None]):
     profile: ClassVar[str] = "sao"
     summary: ClassVar[str] = "passes the first value if the condition is true, else the second"
     equation: ClassVar[str] = "y = condition ? a : b"
+    glyph: ClassVar[str] = '<path class="stroke" d="M-18-10H-9M-18 10H-9M9 0H18M-9-10L9 0"/><circle class="dot" cx="-9" cy="-10" r="2"/><circle class="dot" cx="-9" cy="10" r="2"/>'
     examples: ClassVar[tuple[str, ...]] = (
         "{switch: [p, x, y]}",
         "{switch: [p, v, 0]}",

@@ -93,6 +93,12 @@ class Symbol(ABC, Generic[Configuration]):
     """True if ``-wire`` as an operand is the symbol's own affair (the sum); elsewhere it is a product with -1."""
     feeds_through: ClassVar[bool] = True
     """False if the output does not depend on the input within the frame."""
+    glyph: ClassVar[str]
+    """Its drawing: SVG inside a box of 48 by 48 about the origin, with the classes ``stroke`` and ``sign``."""
+
+    def glyph_of(self, configuration: Configuration) -> str:
+        """The drawing of one block; some show their configuration."""
+        return self.glyph
 
     @abstractmethod
     def configure(self, arguments: Arguments, signs: tuple[int, ...]) -> Configuration:

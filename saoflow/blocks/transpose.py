@@ -18,6 +18,7 @@ class Transpose(Symbol[None]):
     name: ClassVar[str] = "transpose"
     summary: ClassVar[str] = "the transpose of a matrix; as an operand: C.T"
     equation: ClassVar[str] = "y_ij = u_ji"
+    glyph: ClassVar[str] = '<text class="sign">M<tspan class="up" dy="-7">T</tspan></text>'
     examples: ClassVar[tuple[str, ...]] = ("{transpose: A}",)
     ports: ClassVar[tuple[Port, ...]] = (Port("u", "a matrix"),)
 
