@@ -1,7 +1,7 @@
 """The registry of all diagnosis codes: stable numbers, one line each.
 
 E1xx reading text; E2xx elaboration (names, parameters, shapes, types, units, profiles); E3xx order and lowering;
-E4xx budgets; E5xx recordings and runs; E6xx commands and files.
+E4xx budgets; E5xx recordings and runs; E6xx commands and files; E7xx flights, sensors and their faults.
 """
 
 from __future__ import annotations
@@ -74,4 +74,17 @@ CODES: dict[str, str] = {
     "E610": "the sheet is too large for the stack",
     "W607": "another backend or cache than asked for, or sources without a binary",
     "E699": "an error inside saoflow",
+    # flights and sensors
+    "E701": "no flight of that name",
+    "E702": "no aircraft of that name",
+    "E703": "jsbsim is missing or of another version",
+    "E704": "the aircraft left the range that the autopilot can hold",
+    "E705": "a flight plan makes no sense",
+    "E711": "a fault makes no sense",
+    "E712": "a fault's text cannot be read",
+    "E713": "the sensor noise makes no sense",
+    "E714": "missing samples make no sense",
+    "E721": "no shipped recording of that name",
+    "E722": "the recording in memory has no such column",
+    "E725": "a recording in memory makes no sense",
 }

@@ -109,6 +109,11 @@ class DiagnosisError(Exception):
         super().__init__("\n".join(d.render() for d in self.diagnoses))
 
 
+def refusal(code: str, message: str, *, cause: str, remedy: str) -> DiagnosisError:
+    """The exception of one diagnosis without a position, to be raised."""
+    return DiagnosisError([Diagnosis(code, message, cause=cause, remedy=remedy)])
+
+
 @dataclass(slots=True)
 class Diagnoses:
     """Collects what a stage finds, so that it can report everything at once."""
@@ -151,7 +156,7 @@ def in_order(diagnoses: Iterable[Diagnosis]) -> list[Diagnosis]:
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str:
-    """``did you mean `x`?`` for the nearest candidate, or an empty string if none is near."""
+    """``did you mean `x`?`` for the nearest candidate, or for one that the word begins; else an empty string."""
     import difflib
 
     names = sorted(set(candidates))
@@ -161,6 +166,8 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str:
     near.sort(key=lambda name: (-ratio[name], -_alike(word, name)))
     if not near:
         near = [name for name in names if name.lower() == word.lower()][:1]
+    if not near and len(word) > 2:
+        near = [name for name in names if name.lower().startswith(word.lower())][:1]
     return f"did you mean `{near[0]}`?" if near else ""
 
 

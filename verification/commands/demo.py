@@ -27,7 +27,6 @@ def demo(
     Example: saoflow demo -o out
     """
     from saoflow import DiagnosisError
-    from verification.flights.errors import FlightError
 
     try:
         result, files = _demo(output, seed)
@@ -38,9 +37,6 @@ def demo(
             typer.echo(str(error), err=True)
         over = {d.code for d in error.diagnoses} == {"E401"}
         raise typer.Exit(1 if over else 2) from None
-    except FlightError as error:
-        typer.echo(json_text.dumps({"diagnoses": [error.to_dict()]}, indent=1) if json else str(error), err=not json)
-        raise typer.Exit(2) from None
     if json:
         from verification.demo.facts import to_dict
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json as json_text
-from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from verification.flights.errors import FlightError
-
-T = TypeVar("T")
+from saoflow.commands.shell import Findings, finish
+from saoflow.diagnosis import Diagnosis
 
 
 def fly(
@@ -49,24 +46,17 @@ def fly(
 
     Example: saoflow fly --noise --fault vc:runaway:-15:onset=20 -o flight.csv
     """
-    from verification.flights.errors import FlightError
-
     if show_list:
         _list(json)
         return
-    try:
-        errors = _fly(output, flight, aircraft, seed, noise, fault or [], missing or [], json)
-    except FlightError as error:
-        errors = [error]
-    if errors:
-        if json:
-            typer.echo(json_text.dumps({"diagnoses": [error.to_dict() for error in errors]}, indent=1))
-        else:
-            typer.echo("\n".join(str(error) for error in errors), err=True)
-        raise typer.Exit(2)
+    findings = Findings()
+    findings.attempt(lambda: _fly(findings, output, flight, aircraft, seed, noise, fault or [], missing or [], json))
+    if findings.errors:
+        finish(findings.found, json)
 
 
 def _fly(
+    findings: Findings,
     output: str | None,
     flight: str,
     aircraft: str | None,
@@ -75,38 +65,29 @@ def _fly(
     faults: list[str],
     gaps: list[str],
     json: bool,
-) -> list[FlightError]:
-    """Flies; returns everything that is wrong with the request, and then does not fly."""
+) -> None:
+    """Flies; finds everything that is wrong with the request, and then does not fly."""
     from rich.console import Console
     from rich.progress import Progress
 
+    from saoflow.recording import check_output
     from verification.flights.catalogue import find_flight
-    from verification.flights.errors import FlightError
     from verification.flights.fault_text import parse_fault, parse_missing
     from verification.flights.fly import check_onsets, fly_plan, summary
-    from verification.recordings.recording import check_output
 
-    errors: list[FlightError] = []
-
-    def attempt(do: Callable[[], T]) -> T | None:
-        try:
-            return do()
-        except FlightError as error:
-            errors.append(error)
-            return None
-
+    attempt = findings.attempt
     plan = attempt(lambda: find_flight(flight, aircraft, seed))
     parsed = [attempt(partial(parse_fault, text)) for text in faults]
     missing = [attempt(partial(parse_missing, text)) for text in gaps]
     if output is None:
-        errors.append(_no_output())
+        findings.add(NO_OUTPUT)
     else:
         attempt(partial(check_output, output))
     if plan is not None:
         for event in (*parsed, *missing):
             attempt(partial(check_onsets, plan, [event] if event else []))
-    if errors or plan is None or output is None:
-        return errors
+    if findings.errors or plan is None or output is None:
+        return
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(f"flying {flight}", total=1.0)
         recording = fly_plan(
@@ -122,18 +103,14 @@ def _fly(
         typer.echo(json_text.dumps(facts, indent=1))
     else:
         typer.echo(summary(recording, output))
-    return []
 
 
-def _no_output() -> FlightError:
-    from verification.flights.errors import FlightError
-
-    return FlightError(
-        "E724",
-        "no file to write",
-        cause="the option -o is missing",
-        remedy="add -o flight.csv, or another path that ends in .csv, .csv.gz or .parquet",
-    )
+NO_OUTPUT = Diagnosis(
+    "E609",
+    "no file to write",
+    cause="the option -o is missing",
+    remedy="add -o flight.csv, or another path that ends in .csv, .csv.gz or .parquet",
+)
 
 
 def _list(json: bool) -> None:

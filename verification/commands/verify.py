@@ -29,7 +29,6 @@ def verify(
     Example: saoflow verify cmhe_fte --frames 600
     """
     from saoflow import DiagnosisError
-    from verification.flights.errors import FlightError
 
     try:
         report = _verify(sheet, reference, frames, seed)
@@ -38,9 +37,6 @@ def verify(
             typer.echo(json_text.dumps({"diagnoses": [d.to_dict() for d in error.diagnoses]}, indent=1))
         else:
             typer.echo(str(error), err=True)
-        raise typer.Exit(2) from None
-    except FlightError as error:
-        typer.echo(json_text.dumps({"diagnoses": [error.to_dict()]}, indent=1) if json else str(error), err=not json)
         raise typer.Exit(2) from None
     if json:
         typer.echo(json_text.dumps(report.to_dict(), indent=1))

@@ -22,7 +22,7 @@ SHEETS = ("cmhe_fte", "umhe_fte")
 def run_demo(scenario: Scenario, progress: Progress | None = None) -> DemoResult:
     """Run the scenario through both sheets and both references.
 
-    Raises DiagnosisError (a sheet with errors, or over its budget: E401) and FlightError (a bad seed).
+    Raises DiagnosisError (a sheet with errors, or over its budget: E401) or of flights and sensors (E7xx).
     """
     tell = progress or (lambda what, done, total: None)
     recording = scenario.record()

@@ -24,7 +24,7 @@ class Scenario:
     def record(self) -> Recording:
         """The readings of the sensors, with the truth beside them.
 
-        Raises FlightError E713 for a negative seed.
+        Raises DiagnosisError E713 for a negative seed.
         """
         truth = load_recording(self.flight).part(0.0, self.duration)
         return sensors(truth, self.seed, faults=[self.fault])

@@ -8,7 +8,6 @@ inputs = sensors(truth, seed=1, faults=[fault]).inputs()
 """
 
 from verification.flights.catalogue import FLIGHTS, SHIPPED, find_flight
-from verification.flights.errors import CODES, FlightError
 from verification.flights.fault_text import parse_fault, parse_missing
 from verification.flights.faults import KINDS, TABLE_II, Fault, Missing, random_fault, table_ii_levels
 from verification.flights.plan import AIRCRAFT, FlightPlan
@@ -18,7 +17,6 @@ from verification.recordings import Recording, load_recording, shipped_recording
 
 __all__ = [
     "AIRCRAFT",
-    "CODES",
     "COLUMNS",
     "FLIGHTS",
     "KINDS",
@@ -27,7 +25,6 @@ __all__ = [
     "TABLE_I",
     "TABLE_II",
     "Fault",
-    "FlightError",
     "FlightPlan",
     "Missing",
     "Noise",

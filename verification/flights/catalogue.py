@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from verification.flights.errors import FlightError, did_you_mean
+from saoflow.diagnosis import did_you_mean, refusal
 from verification.flights.plan import (
     AltitudeChange,
     FlightPlan,
@@ -169,15 +169,14 @@ FLIGHTS: tuple[FlightPlan, ...] = SHIPPED + _MORE
 
 
 def find_flight(name: str, aircraft: str | None = None, seed: int | None = None) -> FlightPlan:
-    """The named flight, with another aircraft or seed if given. Raises E701 and E702."""
+    """The named flight, with another aircraft or seed if given. Raises DiagnosisError E701 and E702."""
     names = [plan.name for plan in FLIGHTS]
     if name not in names:
-        raise FlightError(
+        raise refusal(
             "E701",
-            f"no flight '{name}'",
+            f"no flight `{name}`",
             cause=f"flights are {', '.join(names)}",
-            remedy="name one of them; 'saoflow fly --list' says what they are",
-            hint=did_you_mean(name, names),
+            remedy=did_you_mean(name, names) or "name one of them; `saoflow fly --list` says what they are",
         )
     plan = FLIGHTS[names.index(name)]
     if aircraft is not None:

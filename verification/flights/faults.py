@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from verification.flights.errors import FlightError, did_you_mean
+from saoflow.diagnosis import did_you_mean, refusal
 from verification.recordings.recording import INERTIAL_INPUTS, Array
 
 KINDS = ("oscillation", "jamming", "bias", "runaway", "non_return_to_zero", "noise")
@@ -57,7 +57,7 @@ class Fault:
     - ``noise``: r + white noise of standard deviation ``amplitude`` [deg or kt], drawn by the seed of
       ``sensors``.
 
-    Raises :class:`FlightError` E711 for anything else.
+    Raises DiagnosisError E711 for anything else.
     """
 
     kind: str
@@ -71,12 +71,12 @@ class Fault:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             self._refuse(
-                f"no fault kind '{self.kind}'",
+                f"no fault kind `{self.kind}`",
                 f"kinds are {', '.join(KINDS)}",
                 did_you_mean(self.kind, KINDS),
             )
         if self.sensor not in SENSORS:
-            self._refuse(f"no sensor '{self.sensor}'", "sensors are alpha and vc", did_you_mean(self.sensor, SENSORS))
+            self._refuse(f"no sensor `{self.sensor}`", "sensors are alpha and vc", did_you_mean(self.sensor, SENSORS))
         object.__setattr__(self, "which", tuple(self.which))
         if not self.which or len(set(self.which)) != len(self.which) or not set(self.which) <= {1, 2, 3}:
             self._refuse(f"sensors {self.which}", "they are numbered 1, 2, 3; name at least one, each once")
@@ -99,14 +99,9 @@ class Fault:
         if not (math.isfinite(self.onset) and self.onset >= 0.0):
             self._refuse(f"onset = {self.onset}", "it must be 0 s or later")
 
-    def _refuse(self, what: str, cause: str, hint: str = "") -> None:
-        raise FlightError(
-            "E711",
-            f"fault: {what}",
-            cause=cause,
-            remedy="see Fault in verification.flights, or 'saoflow fly --help'",
-            hint=hint,
-        )
+    def _refuse(self, what: str, cause: str, near: str = "") -> None:
+        remedy = near or "see Fault in verification.flights, or `saoflow fly --help`"
+        raise refusal("E711", f"fault: {what}", cause=cause, remedy=remedy)
 
     def onset_frame(self, period: float) -> int:
         """Index of the first faulty frame: the first at or after the onset."""
@@ -170,7 +165,7 @@ class Missing:
     [s].
 
     ``inputs``: any of vg, vz, theta, q, ax, az, z, alpha, vc (all three sensors), alpha_1 ... vc_3.
-    Raises :class:`FlightError` E714.
+    Raises DiagnosisError E714.
     """
 
     inputs: tuple[str, ...]
@@ -183,18 +178,18 @@ class Missing:
         object.__setattr__(self, "inputs", tuple(self.inputs))
         for name in self.inputs:
             if name not in known:
-                self._refuse(f"no input '{name}'", f"inputs are {', '.join(known)}", did_you_mean(name, known))
+                self._refuse(f"no input `{name}`", f"inputs are {', '.join(known)}", did_you_mean(name, known))
         if not self.inputs:
             self._refuse("no inputs", "name at least one")
         if self.value not in MISSING_VALUES:
-            self._refuse(f"value '{self.value}'", "a missing sample reads nan, inf or -inf")
+            self._refuse(f"value `{self.value}`", "a missing sample reads nan, inf or -inf")
         if self.frames < 1:
             self._refuse(f"{self.frames} frames", "at least 1")
         if not (math.isfinite(self.onset) and self.onset >= 0.0):
             self._refuse(f"onset = {self.onset}", "it must be 0 s or later")
 
-    def _refuse(self, what: str, cause: str, hint: str = "") -> None:
-        raise FlightError("E714", f"missing samples: {what}", cause=cause, remedy="change it", hint=hint)
+    def _refuse(self, what: str, cause: str, near: str = "") -> None:
+        raise refusal("E714", f"missing samples: {what}", cause=cause, remedy=near or "change it")
 
     def columns(self) -> tuple[str, ...]:
         """The columns concerned: alpha and vc stand for three each."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from saoflow.diagnosis import refusal
+from saoflow.recording import check_output
 from verification.flights.catalogue import find_flight
-from verification.flights.errors import FlightError
 from verification.flights.faults import Fault, Missing
 from verification.flights.plan import FlightPlan
 from verification.flights.record import record
 from verification.flights.sensors import NO_NOISE, TABLE_I, sensors
-from verification.recordings.recording import FRAME_PERIOD, Recording, check_output, write_recording
+from verification.recordings.recording import FRAME_PERIOD, Recording, write_recording
 
 
 def fly(
@@ -29,8 +30,7 @@ def fly(
 
     ``aircraft``, ``seed``: of the flight itself if None; the seed drives turbulence and noise. Without
     ``noise`` the readings are the truth, plus ``faults`` and ``missing``. Everything that can be refused is
-    refused before the flight. Returns what was written. Raises :class:`FlightError`, of any code of flights
-    and sensors, E724.
+    refused before the flight. Returns what was written. Raises DiagnosisError: E7xx, E601, E605.
     """
     plan = find_flight(flight, aircraft, seed)
     check_onsets(plan, (*faults, *missing))
@@ -39,13 +39,13 @@ def fly(
 
 
 def check_onsets(plan: FlightPlan, events: Sequence[Fault | Missing]) -> None:
-    """Raises E711 (fault) or E714 (missing samples) if one starts after the flight's end."""
+    """Raises DiagnosisError E711 (fault) or E714 (missing samples) if one starts after the flight's end."""
     for event in events:
         if event.onset > plan.duration_s:
-            raise FlightError(
+            raise refusal(
                 "E711" if isinstance(event, Fault) else "E714",
                 f"onset = {event.onset:g} s",
-                cause=f"the flight '{plan.name}' ends at {plan.duration_s:g} s",
+                cause=f"the flight `{plan.name}` ends at {plan.duration_s:g} s",
                 remedy="let it start earlier",
             )
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields
 
-from verification.flights.errors import FlightError, did_you_mean
+from saoflow.diagnosis import did_you_mean, refusal
 
 AIRCRAFT = ("A320", "787-8")
 """JSBSim aircraft that may be flown. Loading some others (737, c172x) opens network sockets."""
@@ -19,7 +19,7 @@ FEET_PER_KFT = 1000.0
 
 
 def _sensible(part: object, above_zero: tuple[str, ...] = (), not_zero: tuple[str, ...] = ()) -> None:
-    """Raises E705 unless all numbers of the dataclass ``part`` are finite and the named ones are as named."""
+    """Raises DiagnosisError E705 unless all numbers of the dataclass ``part`` are finite and the named ones are as named."""
     what = type(part).__name__
     for f in fields(part):  # type: ignore[arg-type]
         value = getattr(part, f.name)
@@ -33,7 +33,7 @@ def _sensible(part: object, above_zero: tuple[str, ...] = (), not_zero: tuple[st
         elif f.name in not_zero and value == 0.0:
             cause = "it must not be 0"
         if cause:
-            raise FlightError("E705", f"{what}: {f.name} = {value:g}", cause=cause, remedy="change the flight plan")
+            raise refusal("E705", f"{what}: {f.name} = {value:g}", cause=cause, remedy="change the flight plan")
 
 
 def smooth_step(t: float, start: float, duration: float) -> float:
@@ -208,7 +208,7 @@ Wind = SteadyWind | WindRamp | WindShear | VerticalGust | Turbulence
 
 @dataclass(frozen=True)
 class FlightPlan:
-    """One flight. Raises :class:`FlightError` E702 (aircraft) or E705 (anything else) if it makes no sense.
+    """One flight. Raises DiagnosisError E702 (aircraft) or E705 (anything else) if it makes no sense.
 
     ``cas_kt`` [kt] and ``altitude_ft`` [ft above sea level] at the start, level; ``duration_s`` [s] recorded;
     manoeuvres and winds add up; ``seed`` drives the turbulence alone; ``delta_isa_k`` [K] shifts the temperature
@@ -228,12 +228,11 @@ class FlightPlan:
 
     def __post_init__(self) -> None:
         if self.aircraft not in AIRCRAFT:
-            raise FlightError(
+            raise refusal(
                 "E702",
-                f"no aircraft '{self.aircraft}'",
+                f"no aircraft `{self.aircraft}`",
                 cause=f"known are {', '.join(AIRCRAFT)}",
-                remedy="name one of them",
-                hint=did_you_mean(self.aircraft, AIRCRAFT),
+                remedy=did_you_mean(self.aircraft, AIRCRAFT) or "name one of them",
             )
         self._within("cas_kt", self.cas_kt, 160.0, 400.0, "kt")
         self._within("altitude_ft", self.altitude_ft, 1000.0, 41000.0, "ft")
@@ -242,7 +241,7 @@ class FlightPlan:
         self._within("seed", self.seed, 0, 2**31 - 1, "")
         for wind in self.wind:
             if isinstance(wind, WindRamp) and wind.axis not in ("x", "z"):
-                self._refuse(f"wind ramp along '{wind.axis}'", "the axes are x (tail) and z (down)")
+                self._refuse(f"wind ramp along `{wind.axis}`", "the axes are x (tail) and z (down)")
             if isinstance(wind, Turbulence):
                 self._within("turbulence severity", wind.severity, 1, 7, "")
 
@@ -251,4 +250,4 @@ class FlightPlan:
             self._refuse(f"{what} = {value}", f"it must be {low:.10g} to {high:.10g} {unit}".rstrip())
 
     def _refuse(self, what: str, cause: str) -> None:
-        raise FlightError("E705", f"flight '{self.name}': {what}", cause=cause, remedy="change the flight plan")
+        raise refusal("E705", f"flight `{self.name}`: {what}", cause=cause, remedy="change the flight plan")

@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
+from saoflow.diagnosis import refusal
 from verification.flights.autopilot import Autopilot, Command, Motion, Surfaces
-from verification.flights.errors import FlightError
 from verification.flights.plan import (
     AltitudeChange,
     FlightPlan,
@@ -74,7 +74,7 @@ def record(plan: FlightPlan, progress: Callable[[float], None] | None = None) ->
     """Flies ``plan``; columns as in :data:`COLUMNS`, round(duration_s / 0.048) + 1 frames.
 
     The same plan gives the same numbers. ``progress`` is called now and then with the fraction done, 0 to 1.
-    Raises :class:`FlightError` E703 (no jsbsim) and E704 (the flight got out of hand).
+    Raises DiagnosisError E703 (no jsbsim) and E704 (the flight got out of hand).
     """
     with _silence():
         fdm = _trimmed(plan)
@@ -82,11 +82,11 @@ def record(plan: FlightPlan, progress: Callable[[float], None] | None = None) ->
 
 
 def jsbsim_module() -> Any:
-    """The module ``jsbsim``. Raises E703 if it is not installed."""
+    """The module ``jsbsim``. Raises DiagnosisError E703 if it is not installed."""
     try:
         import jsbsim
     except ImportError:
-        raise FlightError(
+        raise refusal(
             "E703",
             "recording a flight needs jsbsim",
             cause="the package jsbsim is not installed",
@@ -94,7 +94,7 @@ def jsbsim_module() -> Any:
         ) from None
     version = getattr(jsbsim, "__version__", "unknown")
     if version != JSBSIM_VERSION:
-        raise FlightError(
+        raise refusal(
             "E703",
             f"recording a flight needs jsbsim {JSBSIM_VERSION}",
             cause=f"version {version} is installed; another version flies another flight",
@@ -147,9 +147,9 @@ def _trimmed(plan: FlightPlan) -> Any:
     try:
         fdm.do_trim(1)
     except Exception as error:
-        raise FlightError(
+        raise refusal(
             "E704",
-            f"flight '{plan.name}': no trim at {plan.cas_kt:g} kt, {plan.altitude_ft:g} ft",
+            f"flight `{plan.name}`: no trim at {plan.cas_kt:g} kt, {plan.altitude_ft:g} ft",
             cause=f"JSBSim: {error}",
             remedy="choose a speed and an altitude that the aircraft can hold",
         ) from None
@@ -276,9 +276,9 @@ def _row(fdm: Any, t: float, surfaces: Surfaces) -> tuple[float, ...]:
 def _in_hand(plan: FlightPlan, fdm: Any, t: float) -> None:
     alpha, phi = fdm["aero/alpha-deg"], fdm["attitude/phi-deg"]
     if not (-10.0 < alpha < 16.0 and abs(phi) < 20.0 and fdm["position/h-sl-ft"] > 200.0):
-        raise FlightError(
+        raise refusal(
             "E704",
-            f"flight '{plan.name}': out of hand at t = {t:.1f} s",
+            f"flight `{plan.name}`: out of hand at t = {t:.1f} s",
             cause=f"angle of attack {alpha:.1f} deg, bank {phi:.1f} deg",
             remedy="fly smaller manoeuvres or winds, or at another speed",
         )

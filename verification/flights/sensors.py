@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from verification.flights.errors import FlightError
+from saoflow.diagnosis import refusal
 from verification.flights.faults import SENSORS, Fault, Missing
 from verification.recordings.recording import INERTIAL_INPUTS, Array, Recording
 
@@ -20,7 +20,7 @@ class Noise:
     The defaults are paper 003, Table I, which gives A_x, A_z, q, V_t, V_z and theta. Assumed where it is
     silent: vc has V_t's (0.4 m/s), for it is what an air-data computer measures; vg 0.2 m/s, half of it, as
     of an inertial system; alpha 0.2 deg, as the paper's weight R_alpha of about (0.2 deg)^2 suggests; z 1 m.
-    Raises :class:`FlightError` E713 for a negative or infinite one.
+    Raises DiagnosisError E713 for a negative or infinite one.
     """
 
     alpha: float = math.radians(0.2)  # [rad] assumed
@@ -37,7 +37,7 @@ class Noise:
         for field in fields(self):
             value = getattr(self, field.name)
             if not (math.isfinite(value) and value >= 0.0):
-                raise FlightError(
+                raise refusal(
                     "E713",
                     f"sensor noise: {field.name} = {value}",
                     cause="a standard deviation is 0 or more",
@@ -67,11 +67,11 @@ def sensors(
     Replaces the inertial columns by noisy ones and adds ``alpha_1..3`` [rad] and ``vc_1..3`` [kt] made from
     ``alpha_true`` and ``vc_true``; all other columns stay. The same arguments give the same bits; every
     sensor has a random stream of its own, so adding a fault changes nothing but the sensors it names. Faults
-    act in the order given, missing samples last. Raises :class:`FlightError` E711 or E714 for one that starts
+    act in the order given, missing samples last. Raises DiagnosisError E711 or E714 for one that starts
     after the end, E713 for a bad seed.
     """
     if not isinstance(seed, int | np.integer) or seed < 0:
-        raise FlightError("E713", f"seed {seed}", cause="seeds are whole numbers from 0", remedy="choose another")
+        raise refusal("E713", f"seed {seed}", cause="seeds are whole numbers from 0", remedy="choose another")
     n = len(recording)
     streams = (*INERTIAL_INPUTS, *(f"{sensor}_{i}" for sensor in SENSORS for i in (1, 2, 3)))
     readings: dict[str, Array] = {}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from verification.flights.errors import FlightError, did_you_mean
+from saoflow.diagnosis import did_you_mean, refusal
 from verification.recordings.recording import FRAME_PERIOD, Recording, read_recording, write_recording
 
 __all__ = [
@@ -30,14 +30,13 @@ def shipped_recordings() -> tuple[str, ...]:
 
 
 def load_recording(name: str) -> Recording:
-    """The shipped recording ``name``. Raises E721 (unknown name), E723 (damaged file)."""
+    """The shipped recording ``name``. Raises DiagnosisError E721 (unknown name), E501 (damaged file)."""
     known = shipped_recordings()
     if name not in known:
-        raise FlightError(
+        raise refusal(
             "E721",
-            f"no shipped recording '{name}'",
+            f"no shipped recording `{name}`",
             cause=f"shipped are {', '.join(known)}",
-            remedy="name one of them, or record a flight with 'saoflow fly'",
-            hint=did_you_mean(name, known),
+            remedy=did_you_mean(name, known) or "name one of them, or record a flight with `saoflow fly`",
         )
     return read_recording(FOLDER / f"{name}{SUFFIX}")

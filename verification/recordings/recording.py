@@ -13,10 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from saoflow import DiagnosisError
 from saoflow import recording as recording_files
+from saoflow.diagnosis import did_you_mean, refusal
 from saoflow.recording import csv_text
-from verification.flights.errors import FlightError, did_you_mean
 
 Array = NDArray[np.float64]
 
@@ -35,7 +34,7 @@ class Recording:
     """A table of frames.
 
     ``names``: column names; ``columns``: one array (n,) for each name; ``period``: frame period [s].
-    Columns are copied and not writable. Raises :class:`FlightError` E725 if the columns do not fit together.
+    Columns are copied and not writable. Raises DiagnosisError E725 if the columns do not fit together.
     """
 
     names: tuple[str, ...]
@@ -44,7 +43,7 @@ class Recording:
 
     def __post_init__(self) -> None:
         if len(self.names) != len(self.columns) or len(set(self.names)) != len(self.names):
-            raise FlightError(
+            raise refusal(
                 "E725",
                 f"a recording of {len(self.names)} names and {len(self.columns)} columns",
                 cause="names and columns must be in pairs, every name once",
@@ -52,7 +51,7 @@ class Recording:
             )
         lengths = {column.shape for column in self.columns}
         if len(lengths) != 1 or len(next(iter(lengths))) != 1 or next(iter(lengths)) == (0,):
-            raise FlightError(
+            raise refusal(
                 "E725",
                 "columns of a recording differ in length, are empty or are not vectors",
                 cause=f"shapes found: {sorted(lengths)}",
@@ -72,14 +71,13 @@ class Recording:
         return name in self.names
 
     def __getitem__(self, name: str) -> Array:
-        """Column ``name``, shape (n,), not writable. Raises E722 for an unknown name."""
+        """Column ``name``, shape (n,), not writable. Raises DiagnosisError E722 for an unknown name."""
         if name not in self.names:
-            raise FlightError(
+            raise refusal(
                 "E722",
-                f"the recording has no column '{name}'",
+                f"the recording has no column `{name}`",
                 cause=f"its columns are {', '.join(self.names)}",
-                remedy="name one of them",
-                hint=did_you_mean(name, self.names),
+                remedy=did_you_mean(name, self.names) or "name one of them",
             )
         return self.columns[self.names.index(name)]
 
@@ -98,11 +96,12 @@ class Recording:
         """The flagship's inputs as simulators take them.
 
         ``alpha`` [rad] and ``vc`` [kt] of shape (n, 3); ``vg``, ``vz`` [kt], ``theta`` [rad], ``q`` [rad/s],
-        ``ax``, ``az`` [kt/s^2], ``z`` [m] of shape (n,). Raises E722 if there are no sensor readings yet.
+        ``ax``, ``az`` [kt/s^2], ``z`` [m] of shape (n,). Raises DiagnosisError E722 if there are no
+        sensor readings yet.
         """
         for sensor in SENSOR_INPUTS:
             if f"{sensor}_1" not in self.names:
-                raise FlightError(
+                raise refusal(
                     "E722",
                     f"the recording has no sensor readings {sensor}_1, {sensor}_2, {sensor}_3",
                     cause="it holds the truth; readings are made from it by seed, with noise and faults",
@@ -119,38 +118,18 @@ def to_csv(recording: Recording) -> str:
     return csv_text(_columns(recording), NINE_DIGITS)
 
 
-def check_output(path: str | Path) -> None:
-    """Raises E724 if :func:`write_recording` could not write ``path``: before the work, not after it."""
-    try:
-        recording_files.check_output(path)
-    except DiagnosisError as error:
-        raise _flight_error("E724", error) from None
-
-
 def write_recording(recording: Recording, path: str | Path) -> None:
-    """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises E724."""
-    try:
-        recording_files.write_table(path, _columns(recording), NINE_DIGITS)
-    except DiagnosisError as error:
-        raise _flight_error("E724", error) from None
+    """Writes ``.csv``, ``.csv.gz`` or ``.parquet``, all of it or nothing. Raises DiagnosisError E601, E605."""
+    recording_files.write_table(path, _columns(recording), NINE_DIGITS)
 
 
 def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
-    """Reads ``.csv``, ``.csv.gz`` or ``.parquet``. Raises E723 with line and column."""
-    try:
-        table = recording_files.read_table(path)
-    except DiagnosisError as error:
-        raise _flight_error("E723", error) from None
+    """Reads ``.csv``, ``.csv.gz`` or ``.parquet``. Raises DiagnosisError as :func:`saoflow.recording.read_table` does,
+    with line and column.
+    """
+    table = recording_files.read_table(path)
     return Recording(table.names, table.columns, period)
 
 
 def _columns(recording: Recording) -> dict[str, Array]:
     return dict(zip(recording.names, recording.columns, strict=True))
-
-
-def _flight_error(code: str, error: DiagnosisError) -> FlightError:
-    """The first of saoflow's diagnoses, and how many more there are."""
-    first, *rest = error.diagnoses
-    place = f"{first.position}: " if first.position else ""
-    more = f" (and {len(rest)} more)" if rest else ""
-    return FlightError(code, f"{place}{first.message}{more}", cause=first.cause, remedy=first.remedy)

@@ -45,7 +45,7 @@ def run_batch(sheet: str, flights: Sequence[Recording], progress: Progress | Non
 
     The results have the same bits either way. Flights may differ in length: a shorter one is repeated at its last frame, and what that gives is left out.
 
-    Raises :class:`saoflow.DiagnosisError` and :class:`verification.flights.FlightError` as the parts do.
+    Raises :class:`saoflow.DiagnosisError` as the parts do.
     """
     simulator = saoflow.load(sheet).simulator()
     frames = max(len(flight) for flight in flights)

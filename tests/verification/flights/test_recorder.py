@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verification.flights import COLUMNS, FLIGHTS, SHIPPED, FlightError, FlightPlan, find_flight, load_recording
+from saoflow import DiagnosisError
+from verification.flights import COLUMNS, FLIGHTS, SHIPPED, FlightPlan, find_flight, load_recording
 from verification.flights.plan import (
     AltitudeChange,
     PitchDoublet,
@@ -110,8 +111,8 @@ def test_catalogue_names_are_unique_and_known():
 @pytest.mark.parametrize(
     ("make", "code", "words"),
     [
-        (lambda: find_flight("a320_calm_350"), "E701", "did you mean 'a320_calm_350kt_5000ft'?"),
-        (lambda: replace(ROUGH, aircraft="a320"), "E702", "did you mean 'A320'?"),
+        (lambda: find_flight("a320_calm_350"), "E701", "did you mean `a320_calm_350kt_5000ft`?"),
+        (lambda: replace(ROUGH, aircraft="a320"), "E702", "did you mean `A320`?"),
         (lambda: replace(ROUGH, aircraft="737"), "E702", "known are A320, 787-8"),
         (lambda: replace(ROUGH, cas_kt=20.0), "E705", "cas_kt = 20.0"),
         (lambda: replace(ROUGH, altitude_ft=float("nan")), "E705", "altitude_ft = nan"),
@@ -131,17 +132,17 @@ def test_catalogue_names_are_unique_and_known():
     ],
 )
 def test_nonsense_is_refused_with_code_and_reason(make, code, words):
-    with pytest.raises(FlightError) as caught:
+    with pytest.raises(DiagnosisError) as caught:
         make()
-    assert caught.value.code == code
+    assert caught.value.diagnoses[0].code == code
     assert words in str(caught.value)
 
 
 def test_without_jsbsim_the_remedy_is_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
-    with pytest.raises(FlightError) as caught:
+    with pytest.raises(DiagnosisError) as caught:
         record(ROUGH)
-    assert caught.value.code == "E703"
+    assert caught.value.diagnoses[0].code == "E703"
     assert "pip install 'saoflow[flights]'" in str(caught.value)
 
 
@@ -149,7 +150,7 @@ def test_another_jsbsim_is_refused(monkeypatch):
     import jsbsim
 
     monkeypatch.setattr(jsbsim, "__version__", "1.1.0")
-    with pytest.raises(FlightError, match=r"needs jsbsim 1\.3\.3"):
+    with pytest.raises(DiagnosisError, match=r"needs jsbsim 1\.3\.3"):
         record(ROUGH)
 
 

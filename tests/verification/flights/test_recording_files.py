@@ -9,7 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from verification.flights import FlightError, Recording
+from saoflow import DiagnosisError
+from verification.flights import Recording
 from verification.recordings import FOLDER, load_recording, read_recording, shipped_recordings, write_recording
 
 SMALL = Recording(("t", "vg"), (np.array([0.0, 0.048]), np.array([374.628449, np.nan])))
@@ -74,8 +75,8 @@ def test_part():
     [
         (b"", "the recording is empty"),
         (b"t,vg\n", "the recording has no rows"),
-        (b"t,vg\n0,1\n1\n", ":3:1: row 2 has 1 cell, the header 2"),
-        (b"t,vg\n0,1\n1,fast\n", ":3:3: `fast` in row 2 of column `vg` is not a number"),
+        (b"t,vg\n0,1\n1\n", ":3:1: error[E505]: row 2 has 1 cell, the header 2"),
+        (b"t,vg\n0,1\n1,fast\n", ":3:3: error[E503]: `fast` in row 2 of column `vg` is not a number"),
         (b"t,t\n0,1\n", "column `t` is there 2 times"),
         (b"\xff\xfe\x00", "cannot be read"),
     ],
@@ -83,7 +84,7 @@ def test_part():
 def test_broken_files_are_diagnosed(tmp_path, content, message):
     path = tmp_path / "broken.csv"
     path.write_bytes(content)
-    with pytest.raises(FlightError) as caught:
+    with pytest.raises(DiagnosisError) as caught:
         read_recording(path)
     assert message in str(caught.value)
 
@@ -92,26 +93,26 @@ def test_a_broken_gzip_file_and_a_missing_file_are_diagnosed(tmp_path):
     path = tmp_path / "broken.csv.gz"
     for content in (b"no gzip", gzip.compress(b"t,vg\n0,1\n" * 100)[:20]):
         path.write_bytes(content)
-        with pytest.raises(FlightError, match="cannot be read"):
+        with pytest.raises(DiagnosisError, match="cannot be read"):
             read_recording(path)
-    with pytest.raises(FlightError, match="cannot be read"):
+    with pytest.raises(DiagnosisError, match="cannot be read"):
         read_recording(tmp_path / "none.csv")
 
 
 def test_unwritable_paths_are_diagnosed_and_leave_nothing(tmp_path):
     for path in (tmp_path / "no" / "x.csv", tmp_path / "x.txt", tmp_path):
-        with pytest.raises(FlightError) as caught:
+        with pytest.raises(DiagnosisError) as caught:
             write_recording(SMALL, path)
-        assert caught.value.code == "E724"
+        assert caught.value.diagnoses[0].code == "E601"
     (tmp_path / "x.csv").mkdir()
-    with pytest.raises(FlightError, match=r"x\.csv: cannot be written"):
+    with pytest.raises(DiagnosisError, match=r"x\.csv: cannot be written"):
         write_recording(SMALL, tmp_path / "x.csv")
     assert os.listdir(tmp_path) == ["x.csv"]
 
 
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(FlightError) as caught:
+    with pytest.raises(DiagnosisError) as caught:
         write_recording(SMALL, tmp_path / "x.parquet")
     assert "saoflow[parquet]" in str(caught.value)
     assert os.listdir(tmp_path) == []
@@ -125,6 +126,6 @@ def test_columns_that_do_not_fit_are_refused():
         (("a",), (np.zeros((2, 2)),)),
         (("a",), (np.zeros(0),)),
     ):
-        with pytest.raises(FlightError) as caught:
+        with pytest.raises(DiagnosisError) as caught:
             Recording(names, columns)
-        assert caught.value.code == "E725"
+        assert caught.value.diagnoses[0].code == "E725"

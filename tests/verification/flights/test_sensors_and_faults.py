@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from saoflow import DiagnosisError
 from verification.flights import (
     KINDS,
     NO_NOISE,
     TABLE_I,
     TABLE_II,
     Fault,
-    FlightError,
     Missing,
     Noise,
     load_recording,
@@ -182,8 +182,8 @@ def test_missing_samples():
 @pytest.mark.parametrize(
     ("make", "code", "words"),
     [
-        (lambda: Fault("runnaway", "vc", rate=1.0), "E711", "did you mean 'runaway'?"),
-        (lambda: Fault("bias", "vcc", amplitude=1.0), "E711", "did you mean 'vc'?"),
+        (lambda: Fault("runnaway", "vc", rate=1.0), "E711", "did you mean `runaway`?"),
+        (lambda: Fault("bias", "vcc", amplitude=1.0), "E711", "did you mean `vc`?"),
         (lambda: Fault("bias", "vc"), "E711", "bias without amplitude"),
         (lambda: Fault("bias", "vc", amplitude=1.0, rate=1.0), "E711", "bias with rate"),
         (lambda: Fault("runaway", "vc", amplitude=1.0), "E711", "takes rate"),
@@ -199,21 +199,21 @@ def test_missing_samples():
         (lambda: sensors(TRUTH, -1), "E713", "from 0"),
         (lambda: Noise(q=-0.1), "E713", "0 or more"),
         (lambda: Noise(vc=math.inf), "E713", "vc = inf"),
-        (lambda: Missing(("vh",), 1.0, 1), "E714", "no input 'vh'"),
+        (lambda: Missing(("vh",), 1.0, 1), "E714", "no input `vh`"),
         (lambda: Missing((), 1.0, 1), "E714", "at least one"),
         (lambda: Missing(("vg",), 1.0, 0), "E714", "at least 1"),
         (lambda: Missing(("vg",), 1.0, 1, "none"), "E714", "nan, inf or -inf"),
         (lambda: sensors(TRUTH, 1, missing=[Missing(("vg",), 91.0, 1)]), "E714", "ends at 90 s"),
         (lambda: TRUTH.inputs(), "E722", "sensors(recording, seed=1)"),
-        (lambda: TRUTH["alpha"], "E722", "no column 'alpha'"),
-        (lambda: load_recording("a320_calm"), "E721", "did you mean 'a320_calm_350kt_5000ft'?"),
+        (lambda: TRUTH["alpha"], "E722", "no column `alpha`"),
+        (lambda: load_recording("a320_calm"), "E721", "did you mean `a320_calm_350kt_5000ft`?"),
     ],
 )
 def test_nonsense_is_refused_with_code_and_reason(make, code, words):
-    with pytest.raises(FlightError) as caught:
+    with pytest.raises(DiagnosisError) as caught:
         make()
-    assert caught.value.code == code
+    assert caught.value.diagnoses[0].code == code
     assert words in str(caught.value)
     assert str(caught.value).startswith(f"error[{code}]: ")
-    assert caught.value.cause
-    assert caught.value.remedy
+    assert caught.value.diagnoses[0].cause
+    assert caught.value.diagnoses[0].remedy
