@@ -182,6 +182,66 @@ def cases() -> list[Case]:
         Case("all_of", {"x": 1 - f}, {"y": (1 - f).all(axis=1)}, "n: 3", ("x",)),
         Case("either", {"any": f[:, 0], "x": g[:, 0]}, {"any": (f[:, 0] + g[:, 0]) > 0}, booleans=("any", "x")),
         Case("both", {"all": 1 - f[:, 0], "x": flag}, {"all": (1 - f[:, 0]) * flag > 0}, booleans=("all", "x")),
+        *linear_algebra(),
+    ]
+
+
+def linear_algebra() -> list[Case]:
+    """Equations with symmetric matrices, and measurements one after the other."""
+    p4, b4, x3, c3, lambda3, p3 = covariance(4), noise(4), noise(3), noise(3), noise(3), covariance(3)
+    r, z, e, per_s = noise() ** 2 + 0.1, noise(), noise(), noise() ** 2
+    column = p4[:, 1:, 0] / p4[:, :1, 0]
+    gain = np.einsum("kij,kj->ki", p3, c3) / (np.einsum("ki,kij,kj->k", c3, p3, c3) + r)[:, None]
+    without = np.eye(3) - np.einsum("ki,kj->kij", gain, c3)
+    innovation = z - np.einsum("ki,ki->k", c3, x3)
+    Pc = np.einsum("kij,kj->ki", p3, c3)
+    return [
+        Case(
+            "eliminate_first",
+            {"M": p4, "b": b4},
+            {
+                # The Schur complement is the inverse of a block of the inverse.
+                "M": np.linalg.inv(np.linalg.inv(p4)[:, 1:, 1:]),
+                "b": b4[:, 1:] - column * b4[:, :1],
+                "l": column,
+                "first": b4[:, 0] / p4[:, 0, 0],
+            },
+            "n: 4",
+            tolerance=1e-9,
+        ),
+        Case(
+            "put_back_first",
+            {"x": x3, "l": lambda3, "first": z},
+            {"x": np.column_stack([z - np.einsum("ki,ki->k", lambda3, x3), x3])},
+            "n: 4",
+        ),
+        Case(
+            "solve_symmetric",
+            {"M": p4, "b": b4},
+            {"x": np.linalg.solve(p4, b4[..., None])[..., 0]},
+            "n: 4",
+            tolerance=1e-10,
+        ),
+        Case(
+            "scalar_update",
+            {"P": p3, "x": x3, "c": c3, "r": r, "z": z},
+            {
+                # Joseph's form
+                "P": without @ p3 @ without.transpose(0, 2, 1) + np.einsum("k,ki,kj->kij", r, gain, gain),
+                "x": x3 + gain * innovation[:, None],
+                "Pc": Pc,
+                "per_s": 1 / (np.einsum("ki,ki->k", c3, Pc) + r),
+                "e": innovation,
+            },
+            "n: 3",
+            tolerance=1e-10,
+        ),
+        Case(
+            "scalar_update_back",
+            {"lambda": lambda3, "c": c3, "Pc": Pc, "per_s": per_s, "e": e},
+            {"lambda": lambda3 - c3 * ((e + np.einsum("ki,ki->k", Pc, lambda3)) * per_s)[:, None]},
+            "n: 3",
+        ),
     ]
 
 
@@ -266,3 +326,25 @@ def test_an_inverse_leaves_out_what_is_known(tmp_path: Path) -> None:
     eight = operations(tmp_path, text.format(inverse="inverse_8x8_symmetric", argument="M"))
     four = operations(tmp_path, text.format(inverse="inverse_4x4_symmetric", argument="S"))
     assert eight == four
+
+
+def test_a_band_is_left_out_of_the_elimination(tmp_path: Path) -> None:
+    """Of a tridiagonal matrix only the band is worked on: the cost grows with n, not with its cube."""
+
+    def cost(n: int) -> int:
+        band = "[" + ", ".join("[" + ", ".join(entry(i, j) for j in range(n)) + "]" for i in range(n)) + "]"
+        text = f"""\
+            sheet: counted
+            inputs: {{d: {{shape: [{n}]}}, e: {{shape: [{n}]}}, b: {{shape: [{n}]}}}}
+            blocks:
+              M: {{concatenate: ["{band}"]}}
+              solved: {{solve_symmetric: [M, b], n: {n}}}
+            outputs: [solved]
+            """
+        return operations(tmp_path, text)
+
+    def entry(i: int, j: int) -> str:
+        return f"d[{i}]" if i == j else f"e[{max(i, j)}]" if abs(i - j) == 1 else "0"
+
+    four, eight = cost(4), cost(8)
+    assert cost(12) - eight == eight - four
