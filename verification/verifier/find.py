@@ -18,6 +18,10 @@ SHIPPED = {
     "cmhe_fte": "verification.verifier.cases:cmhe_fte",
     "cmhe_fte_lean": "verification.verifier.cases:cmhe_fte_lean",
     "umhe_fte": "verification.verifier.cases:umhe_fte",
+    "convexified_mhe": "verification.verifier.double_mhe_case:convexified_mhe",
+    "double_mhe": "verification.verifier.double_mhe_case:double_mhe",
+    "linearised_mhe": "verification.verifier.double_mhe_case:linearised_mhe",
+    "nonlinear_mhe": "verification.verifier.double_mhe_case:nonlinear_mhe",
 }
 """References that come with saoflow: found even where its entry points are not installed."""
 
