@@ -1,7 +1,8 @@
 """The registry of all diagnosis codes: stable numbers, one line each.
 
 E1xx reading text; E2xx elaboration (names, parameters, shapes, types, units, profiles); E3xx order and lowering;
-E4xx budgets; E5xx recordings and runs; E6xx commands and files; E7xx flights, sensors and their faults.
+E4xx budgets; E5xx recordings and runs; E6xx commands and files; E7xx flights, sensors and their faults;
+E8xx campaigns and comparisons.
 """
 
 from __future__ import annotations
@@ -62,6 +63,7 @@ CODES: dict[str, str] = {
     "E507": "an input array has the wrong shape",
     "E508": "the sheet's state does not match",
     "W501": "missing samples in the recording",
+    "W502": "the report shows a part of the run",
     # commands and files
     "E601": "the output cannot be written",
     "E602": "no such sheet",
@@ -87,4 +89,12 @@ CODES: dict[str, str] = {
     "E721": "no shipped recording of that name",
     "E722": "the recording in memory has no such column",
     "E725": "a recording in memory makes no sense",
+    # campaigns and comparisons
+    "E801": "a value of a campaign is out of its range, or names what is not there",
+    "E802": "the folder holds another campaign",
+    "E803": "no such campaign",
+    "E804": "another process runs a campaign in the folder",
+    "E805": "the sheet does not have the ports that a campaign needs",
+    "E806": "the cluster cannot be used",
+    "E807": "a sheet with variants cannot be understood",
 }
