@@ -13,7 +13,7 @@ import numpy as np
 from verification.reference.arrays import Array
 from verification.reference.cstr.reactor import jacobian, reaction_hessian, trajectory
 from verification.reference.cstr.tuning import Tuning
-from verification.reference.cstr.window import Information
+from verification.reference.cstr.window import Information, solution
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ def expand_shooting(first: Array, given: Information, tuning: Tuning) -> Shootin
     x = trajectory(first, given.u, tuning)
     n = len(x)
     M = [np.eye(2) / tuning.h - jacobian(x[i + 1], given.u[i], tuning) for i in range(n - 1)]
-    Phi = [np.eye(2)]
+    Phi: list[Array] = [np.eye(2)]
     for M_i in M:
-        Phi.append(np.linalg.solve(M_i, Phi[-1]) / tuning.h)
+        Phi.append(solution(M_i, Phi[-1]) / tuning.h)
     r = tuning.R * (x[:, 1] - given.y)
     slopes = np.array([phi[1] for phi in Phi])  # of the outputs
     gradient = tuning.P @ (first - given.x_bar) + slopes.T @ r
@@ -50,7 +50,7 @@ def expand_shooting(first: Array, given: Information, tuning: Tuning) -> Shootin
     curvature, pull = np.zeros((2, 2)), np.zeros(2)
     for i in range(n - 1, 0, -1):
         # Multiplier of (x_i - x_{i-1})/h = g(x_i, u_{i-1}): stationary in x_i
-        pull = np.linalg.solve(M[i - 1].T, pull / tuning.h - np.array([0.0, r[i]]))
+        pull = solution(M[i - 1].T, pull / tuning.h - np.array([0.0, r[i]]))
         curvature += (pull[0] - pull[1]) * Phi[i].T @ reaction_hessian(x[i], tuning) @ Phi[i]
     v = x[:, 1] - given.y
     arrival = first - given.x_bar

@@ -80,10 +80,16 @@ def reduced(matrix: Array, hold: Mask) -> Array:
     return free[:, None] * matrix * free + np.diag(1.0 - free)
 
 
+def solution(matrix: Array, rhs: Array) -> Array:
+    """Return matrix^-1 rhs."""
+    found: Array = np.asarray(np.linalg.solve(matrix, rhs), dtype=np.float64)
+    return found
+
+
 def step_of(matrix: Array, rhs: Array, hold: Mask) -> Array:
     """Solve for a step of the shape of rhs whose held components are zero."""
     free = 1.0 - hold.ravel().astype(np.float64)
-    return np.linalg.solve(reduced(matrix, hold), free * rhs.ravel()).reshape(rhs.shape)
+    return solution(reduced(matrix, hold), free * rhs.ravel()).reshape(rhs.shape)
 
 
 def free_gradient(gradient: Array, hold: Mask) -> float:
