@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
 
-BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "build", "show", "symbols", "fmu")}
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "view", "build", "show", "symbols", "fmu")}
 GROUP = "saoflow.commands"
-ORDER = ("demo", "check", "run", "budget", "verify", "build", "fmu", "fly", "show", "symbols")
+ORDER = ("demo", "check", "run", "budget", "view", "verify", "build", "fmu", "fly", "campaign", "compare", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
 
 Command = Callable[..., Any]
@@ -138,6 +138,14 @@ def _failed(error: Exception, json: bool) -> int:
 
     if isinstance(error, DiagnosisError):
         return _tell(error.diagnoses, json)
+    if isinstance(error, MemoryError):
+        short = Diagnosis(
+            "E611",
+            "there is not enough memory",
+            cause=str(error) or "the system gives no more, or a limit is set (ulimit -v)",
+            remedy="give saoflow more memory, or a smaller sheet or batch; `saoflow run` takes recordings of any length",
+        )
+        return _tell([short], json)
     if os.environ.get("SAOFLOW_TRACEBACK"):
         traceback.print_exception(error)
     frame = traceback.extract_tb(error.__traceback__)[-1]
