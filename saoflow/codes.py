@@ -74,6 +74,7 @@ CODES: dict[str, str] = {
     "E608": "no such target",
     "E609": "the command line cannot be understood",
     "E610": "the sheet is too large for the stack",
+    "E611": "there is not enough memory",
     "W607": "another backend or cache than asked for, or sources without a binary",
     "E699": "an error inside saoflow",
     # flights and sensors

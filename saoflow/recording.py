@@ -7,25 +7,29 @@ cell are missing samples: they run, and are counted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
-from saoflow.recording_csv import read_columns
-from saoflow.recording_output import Output, check_output, csv_text, write_table
-from saoflow.recording_table import Table, extension
+from saoflow.recording_output import Output, TableWriter, check_output, check_place, csv_text, open_table, write_table
+from saoflow.recording_parts import column_parts, read_columns
+from saoflow.recording_table import Part, Table, extension
 from saoflow.wires import WireType
 
 __all__ = [
+    "FrameReader",
     "Frames",
     "Output",
     "Table",
+    "TableWriter",
     "check_output",
+    "check_place",
     "column_names",
     "csv_text",
+    "open_table",
     "output_columns",
     "read_frames",
     "read_table",
@@ -65,50 +69,113 @@ def _all_there(path: str | Path, names: Sequence[str], found: Sequence[str]) -> 
 
 
 def read_frames(path: str | Path, ports: Mapping[str, WireType]) -> Frames:
-    """The inputs of a sheet from a recording. ``ports``: its inputs by name.
+    """The inputs of a sheet from a recording, as a whole. ``ports``: its inputs by name.
 
     Raises DiagnosisError with all that is found: E501 (unreadable), E103, E504 (empty), E502 (a column is missing),
     E503 (no number), E505 (rows of different length), E506 (a column twice), E110 (too large), E605 (no pyarrow).
     """
-    where = str(path)
-    columns = {name: column_names(name, wire.shape) for name, wire in ports.items()}
-    needed = [column for port in columns.values() for column in port]
+    wanted = _Wanted(str(path), ports)
+    frames = wanted.frames(read_columns(str(path), wanted.choose, wanted.flags))
+    return replace(frames, warnings=_warnings(str(path), frames.count, frames.missing, wanted.flags))
 
-    def choose(found: Sequence[str]) -> list[str] | list[Diagnosis]:
-        clashes = _shared(columns)
+
+class FrameReader:
+    """The inputs of a sheet from a recording of any length, in parts: iterate once, and close (or use ``with``).
+
+    Raises DiagnosisError as :func:`read_frames` does, but for E110: at once for what is wrong with the header or the
+    first part, else in the place of the part that has the first mistake.
+    """
+
+    def __init__(self, path: str | Path, ports: Mapping[str, WireType]) -> None:
+        self.path = str(path)
+        self._wanted = _Wanted(self.path, ports)
+        self._parts: Generator[Part, None, None] = column_parts(self.path, self._wanted.choose, self._wanted.flags)
+        self._first: Part | None = next(self._parts)
+        self.count = 0
+        """Frames that were read so far."""
+        self.missing: dict[str, int] = {}
+        """How many of their samples are missing, by column."""
+        self.share = 0.0
+        """The share of the file that was read, 0 to 1."""
+
+    def __enter__(self) -> FrameReader:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._parts.close()
+
+    def __iter__(self) -> Iterator[Frames]:
+        part = self._first
+        self._first = None
+        while part is not None:
+            frames = self._wanted.frames(part.table)
+            self.count += frames.count
+            for column, number in frames.missing.items():
+                self.missing[column] = self.missing.get(column, 0) + number
+            self.share = part.share
+            yield frames
+            del frames
+            part = next(self._parts, None)
+        self.share = 1.0
+
+    @property
+    def warnings(self) -> tuple[Diagnosis, ...]:
+        """What is worth a word about the frames that were read: W501."""
+        return _warnings(self.path, self.count, self.missing, self._wanted.flags)
+
+
+class _Wanted:
+    """The columns that the inputs of a sheet need."""
+
+    def __init__(self, path: str, ports: Mapping[str, WireType]) -> None:
+        self.path = path
+        self.ports = ports
+        self.columns = {name: column_names(name, wire.shape) for name, wire in ports.items()}
+        self.needed = [column for port in self.columns.values() for column in port]
+        self.flags = frozenset(
+            column for name, wire in ports.items() if wire.boolean for column in self.columns[name]
+        )
+
+    def choose(self, found: Sequence[str]) -> list[str] | list[Diagnosis]:
+        """The columns to read of those that are there, or what is missing."""
+        clashes = _shared(self.columns)
         if clashes:
             return clashes
-        there, wanted = set(found), set(needed)
+        there, wanted = set(found), set(self.needed)
         spare = [name for name in found if name not in wanted]
         problems = []
-        for name, port in columns.items():
-            shape = ports[name].shape
+        for name, port in self.columns.items():
+            shape = self.ports[name].shape
             cause = f"input `{name}` is {_shown(shape)}{f': columns {_few(port)}' if shape else ''}"
             absent = [column for column in port if column not in there]
             if len(absent) == len(port) > 1:
-                problems.append(_no_column(where, absent[0], cause, found, spare, absent))
+                problems.append(_no_column(self.path, absent[0], cause, found, spare, absent))
             else:
-                problems += [_no_column(where, column, cause, found, spare) for column in absent]
-        return problems or [*needed, *([TIME] if TIME in there and TIME not in wanted else [])]
+                problems += [_no_column(self.path, column, cause, found, spare) for column in absent]
+        return problems or [*self.needed, *([TIME] if TIME in there and TIME not in wanted else [])]
 
-    flags = {column for name, wire in ports.items() if wire.boolean for column in columns[name]}
-    table = read_columns(where, choose, frozenset(flags))
-    inputs, missing = {}, {}
-    for name, port in columns.items():
-        wire = ports[name]
-        parts = [table[column] for column in port]
-        stacked = np.stack(parts, axis=-1) if wire.shape else parts[0]
-        finite = np.isfinite(stacked)
-        if not finite.all():
-            counts = np.count_nonzero(~finite, axis=0)
-            missing.update(
-                {column: int(n) for column, n in zip(port, np.atleast_1d(counts), strict=True) if n},
-            )
-            if wire.boolean:
-                stacked = np.where(finite, stacked, 0.0)
-        inputs[name] = stacked.reshape(len(table), *wire.shape)
-    t = table[TIME] if TIME in table.names and TIME not in needed else None
-    return Frames(inputs, t, len(table), missing, _warnings(where, len(table), missing, flags))
+    def frames(self, table: Table) -> Frames:
+        """Rows as a simulator takes them; no warnings yet."""
+        inputs, missing = {}, {}
+        for name, port in self.columns.items():
+            wire = self.ports[name]
+            parts = [table[column] for column in port]
+            stacked = np.stack(parts, axis=-1) if wire.shape else parts[0]
+            finite = np.isfinite(stacked)
+            if not finite.all():
+                counts = np.count_nonzero(~finite, axis=0)
+                missing.update(
+                    {column: int(n) for column, n in zip(port, np.atleast_1d(counts), strict=True) if n},
+                )
+                if wire.boolean:
+                    stacked = np.where(finite, stacked, 0.0)
+            inputs[name] = stacked.reshape(len(table), *wire.shape)
+        t = table[TIME] if TIME in table.names and TIME not in self.needed else None
+        return Frames(inputs, t, len(table), missing, ())
 
 
 def output_columns(
@@ -202,7 +269,7 @@ def _few(names: Sequence[str], most: int = 8) -> str:
     return f"{shown}, ... ({len(names)} in all)" if len(names) > most else shown
 
 
-def _warnings(path: str, rows: int, missing: Mapping[str, int], flags: set[str]) -> tuple[Diagnosis, ...]:
+def _warnings(path: str, rows: int, missing: Mapping[str, int], flags: frozenset[str]) -> tuple[Diagnosis, ...]:
     if not missing:
         return ()
     total = sum(missing.values())

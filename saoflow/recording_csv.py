@@ -1,189 +1,116 @@
-"""Reading the columns of CSV files (other kinds are passed on), quickly when all is well, and with the place of every mistake when not."""
+"""Reading the columns of CSV files in parts, quickly when all is well, and with the place of every mistake when not."""
 
 from __future__ import annotations
 
 import csv
-import gzip
 import io
-import os
 import re
 import warnings
-import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 
-from saoflow import recording_table
-from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
-from saoflow.recording_table import EXTENSIONS, MOST_SHOWN, Chooser, Table, extension, nothing_in, too_large, unreadable
+from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, in_order
+from saoflow.recording_table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
+from saoflow.recording_text import Lines, Text
 
 ROWS = 8192
-"""Rows that are turned into numbers together."""
+"""Rows that are turned into numbers together, where that is not quick."""
+LOOK_ON = 32
+"""Blocks that are looked through for more mistakes, from the first mistake on; one if the header is wrong."""
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*([eE][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|inf(inity)?|nan)", re.IGNORECASE | re.ASCII)
 
 
-def read_columns(path: str, choose: Chooser, flags: frozenset[str] = frozenset()) -> Table:
-    """The chosen columns of a file; those in ``flags`` hold 0 and 1. Raises DiagnosisError with all that is found."""
-    if extension(path) not in EXTENSIONS:
-        raise unreadable(
-            path,
-            "the kind of file is not known by its extension",
-            f"recordings end in {', '.join(EXTENSIONS[:-1])} or {EXTENSIONS[-1]}",
-        )
+def csv_parts(path: str, choose: Chooser, flags: frozenset[str]) -> Iterator[Part]:
+    """The chosen columns, a block of the file at a time; those in ``flags`` hold 0 and 1.
+
+    Nothing comes after the first mistake; the rest of the file is looked through for more. Raises DiagnosisError at
+    the end, with all that is found, and OSError.
+    """
+    text = Text(path)
     try:
-        size = os.stat(path).st_size
-        if os.path.isdir(path):
-            raise unreadable(path, "it is a folder", "name a file")
-        if size == 0:
-            raise DiagnosisError([nothing_in(path, "E103", "the recording is empty", "the file has no bytes")])
-        if extension(path) == ".parquet":
-            from saoflow.recording_parquet import read_parquet
-
-            return read_parquet(path, choose, flags)
-        return _Reader(path, _content(path, size), flags).read(choose)
-    except FileNotFoundError:
-        raise unreadable(path, "there is no such file", "check the path") from None
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise unreadable(path, f"it is not a whole gzip file: {error}", "pack it again, or give the .csv") from None
-    except OSError as error:
-        raise unreadable(path, error.strerror or str(error), "check the path and your rights") from None
-    except ValueError as error:
-        if "null" not in str(error):
-            raise
-        raise unreadable(path.replace("\0", "\\0"), "the path holds a null character", "check the path") from None
+        yield from _Reader(path, text, flags).parts(choose)
+    finally:
+        text.close()
 
 
-def _content(path: str, size: int) -> bytes:
-    """All bytes of a text file, unpacked; bounded, whatever a packed file claims."""
-    if size > recording_table.MOST_BYTES:
-        raise DiagnosisError([too_large(path)])
-    with gzip.open(path, "rb") if extension(path) == ".csv.gz" else open(path, "rb") as file:
-        data: bytes = file.read(recording_table.MOST_BYTES + 1)
-    if len(data) > recording_table.MOST_BYTES:
-        raise DiagnosisError([too_large(path)])
-    if not data:
-        raise DiagnosisError([nothing_in(path, "E103", "the recording is empty", "there are no bytes in it")])
-    if b"\0" in data:
-        line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise unreadable(
-            path, f"line {line} holds a null character: this is no text", "give it the extension of what it is"
-        )
-    if not data.isascii():
-        try:
-            data.decode("utf-8")
-        except UnicodeDecodeError as error:
-            line = data.count(b"\n", 0, error.start) + 1
-            raise unreadable(
-                path,
-                f"line {line} holds the byte 0x{data[error.start]:02x}, which is not UTF-8 text",
-                "save the file as UTF-8 text, or give it the extension of what it is",
-            ) from None
-    return data
-
-
-@dataclass(slots=True)
-class _Lines:
-    """The lines of a file as text, kept for messages while their rows are at work."""
-
-    file: IO[bytes]
-    kept: list[str] = field(default_factory=list)
-    first: int = 1
-    """The number of the first line that is kept."""
-    strange: bool = False
-    """Whether a line since the last :meth:`forget` holds what ``float`` reads and we do not: ``1_000``."""
-
-    def __iter__(self) -> Iterator[str]:
-        for raw in self.file:
-            text = raw.decode("utf-8-sig" if self.first + len(self.kept) == 1 else "utf-8")
-            if not text.isascii() or "_" in text:
-                self.strange = True
-            self.kept.append(text)
-            yield text
-
-    def forget(self) -> None:
-        """Drop the lines of the rows that are done."""
-        self.first += len(self.kept)
-        self.kept.clear()
-        self.strange = False
-
-    def line(self, number: int) -> str:
-        """The text of a line that is kept."""
-        index = number - self.first
-        return self.kept[index].rstrip("\r\n") if 0 <= index < len(self.kept) else ""
-
-
-@dataclass(slots=True)
 class _Reader:
     """Reads one CSV file; collects mistakes."""
 
-    path: str
-    content: bytes
-    flags: frozenset[str]
-    mistakes: list[Diagnosis] = field(default_factory=list)
-    further: int = 0
+    def __init__(self, path: str, text: Text, flags: frozenset[str]) -> None:
+        self.path = path
+        self.text = text
+        self.lines = Lines(text)
+        self.flags = flags
+        self.mistakes: list[Diagnosis] = []
+        self.in_header = 0
+        """How many of the mistakes are of the header: they are told first."""
+        self.further = 0
+        self.rows = 0
+        self.blank = 0
+        """Empty lines before the line that comes next."""
 
-    def read(self, choose: Chooser) -> Table:
-        file = io.BytesIO(self.content)
-        lines = _Lines(file)
-        reader = csv.reader(iter(lines), strict=True)
-        try:
-            names = self._header(reader)
-            chosen = choose(names)
-            problems = [d for d in chosen if isinstance(d, Diagnosis)]
-            self.mistakes += problems
-            wanted = [name for name in chosen if isinstance(name, str)]
-            self._no_duplicates(names, wanted, lines)
-            lines.forget()
-            places = [(names.index(name), name) for name in wanted]
-            quick = None if self.mistakes else self._quick(file.tell(), len(names), places)
-            if quick is not None:
-                return Table(tuple(wanted), quick, len(quick[0]) if quick else 0)
-            chunks = list(self._chunks(reader, lines, names, places))
-        except csv.Error as error:
-            number = max(1, reader.line_num)
-            raise unreadable(
-                self.path,
-                f"{error}: a quote is opened or closed in the wrong place, or a cell is enormous",
-                "mend the line; a quote inside a quoted cell is written twice",
-                number,
-                lines.line(number) or None,
-            ) from None
-        rows = sum(count for count, _ in chunks)
-        if not rows and not self.mistakes:
+    def parts(self, choose: Chooser) -> Iterator[Part]:
+        names = self._header()
+        chosen = choose(names)
+        wanted = [name for name in chosen if isinstance(name, str)]
+        self.mistakes += [d for d in chosen if isinstance(d, Diagnosis)]
+        self._no_duplicates(names, wanted, self.lines)
+        places = [(names.index(name), name) for name in wanted]
+        self.in_header = len(self.mistakes)
+        look_on = 1 if self.mistakes else LOOK_ON
+        while look_on and self.text.more():
+            for count, columns in self._block(names, places):
+                self.rows += count
+                if not self.mistakes:
+                    yield Part(Table(tuple(wanted), columns, count), self.text.share)
+            look_on -= bool(self.mistakes)
+        if not self.rows and not self.mistakes:
             self.mistakes.append(nothing_in(self.path, "E504", "the recording has no rows", "there is only a header"))
         self._raise()
-        columns = tuple(np.concatenate([part[i] for _, part in chunks]) for i in range(len(places)))
-        return Table(tuple(wanted), columns, rows)
 
-    def _quick(self, start: int, width: int, places: Sequence[tuple[int, str]]) -> tuple[np.ndarray, ...] | None:
-        """The columns if all is well: only numbers, no cell empty; else None, and the careful way finds out."""
-        if self.content.find(b'"', start) >= 0:
+    def _block(
+        self, names: Sequence[str], places: Sequence[tuple[int, str]]
+    ) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+        """The rows of what is left of the block, in numbers."""
+        quick = self._quick(self.text.rest(), len(names), places)
+        if quick is None:
+            yield from self._rows(names, places)
+            return
+        if self.blank:
+            self._note_blank(self.text.line, len(names))
+        self.text.skip()
+        yield quick
+
+    def _quick(
+        self, block: bytes, width: int, places: Sequence[tuple[int, str]]
+    ) -> tuple[int, tuple[np.ndarray, ...]] | None:
+        """Rows and columns if all is well: only numbers, no cell empty; else None, and the careful way finds out."""
+        if b'"' in block:
             return None
-        file = io.BytesIO(self.content)
-        file.seek(start)
-        ends = self.content.count(b"\n", start) + (not self.content.endswith(b"\n"))
+        ends = block.count(b"\n") + (not block.endswith(b"\n"))
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # that there are no rows is diagnosed elsewhere
-                table = np.loadtxt(file, delimiter=",", comments=None, ndmin=2, encoding="utf-8")
+                table = np.loadtxt(io.BytesIO(block), delimiter=",", comments=None, ndmin=2, encoding="utf-8")
         except ValueError:
             return None
         if table.shape != (ends, width) or not ends:
             return None
         columns = tuple(np.ascontiguousarray(table[:, place]) for place, _ in places)
         fine = all(_is_flag(c) for c, (_, name) in zip(columns, places, strict=True) if name in self.flags)
-        return columns if fine and columns else None
+        return (ends, columns) if fine else None
 
-    def _header(self, reader: Any) -> list[str]:
-        for row in reader:
+    def _header(self) -> list[str]:
+        reader = csv.reader(iter(self.lines), strict=True)
+        while (row := self._next_row(reader, 0)) is not None:
             if any(cell.strip() for cell in row):
                 return [cell.strip() for cell in row]
         raise DiagnosisError([nothing_in(self.path, "E103", "the recording is empty", "the file has blank lines only")])
 
-    def _no_duplicates(self, names: Sequence[str], wanted: Sequence[str], lines: _Lines) -> None:
+    def _no_duplicates(self, names: Sequence[str], wanted: Sequence[str], lines: Lines) -> None:
         for name in dict.fromkeys(wanted):
             places = [i for i, other in enumerate(names) if other == name]
             for number, place in enumerate(places[1:], start=2):
@@ -202,39 +129,54 @@ class _Reader:
                     )
                 )
 
-    def _chunks(
-        self, reader: Any, lines: _Lines, names: Sequence[str], places: Sequence[tuple[int, str]]
-    ) -> Iterator[tuple[int, list[np.ndarray]]]:
-        """Rows in numbers, up to the end of the file; blank lines at the end are no rows."""
-        count, blank = 0, 0
-        ended = False
-        while not ended:
+    def _rows(
+        self, names: Sequence[str], places: Sequence[tuple[int, str]]
+    ) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+        """Row by row to the end of the block, or of the row that goes beyond it; empty lines at the end are no rows."""
+        lines = self.lines
+        lines.forget()
+        before = lines.first - 1
+        reader = csv.reader(iter(lines), strict=True)
+        while self.text.left:
             rows: list[list[str]] = []
             ends: list[int] = []
-            for row in reader:
-                rows.append(row)
-                ends.append(reader.line_num)
-                if len(rows) == ROWS:
-                    break
-            ended = len(rows) < ROWS
-            if blank and any(rows):
-                self._note_blank(lines.first, blank, names)
-                blank = 0
+            while self.text.left and len(rows) < ROWS:
+                row = self._next_row(reader, before)
+                rows.append(row or [])
+                ends.append(before + reader.line_num)
+            if self.blank and any(rows):
+                self._note_blank(lines.first, len(names))
             while rows and not rows[-1]:
                 rows.pop()
                 ends.pop()
-                blank += 1
+                self.blank += 1
             if rows:
-                yield len(rows), self._numbers(rows, ends, count, lines, names, places)
-                count += len(rows)
+                yield len(rows), self._numbers(rows, ends, lines, len(names), places)
             lines.forget()
 
-    def _note_blank(self, line: int, blank: int, names: Sequence[str]) -> None:
+    def _next_row(self, reader: Any, before: int) -> list[str] | None:
+        """One row, or None at the end. ``before``: lines of the file before the reader's first."""
+        try:
+            return next(reader, None)
+        except csv.Error as error:
+            number = before + max(1, reader.line_num)
+            told = unreadable(
+                self.path,
+                f"{error}: a quote is opened or closed in the wrong place, or a cell is enormous",
+                "mend the line; a quote inside a quoted cell is written twice",
+                number,
+                self.lines.line(number) or None,
+            )
+            raise DiagnosisError([*self.mistakes, *told.diagnoses]) from None
+
+    def _note_blank(self, line: int, width: int) -> None:
+        """Empty lines, and then a row in ``line``."""
+        blank, self.blank = self.blank, 0
         self._add(
             "E505",
             f"{blank} empty {'line' if blank == 1 else 'lines'} between rows",
             Position(self.path, line - 1, 1),
-            f"every row has {len(names)} {'cell' if len(names) == 1 else 'cells'}",
+            f"every row has {width} {'cell' if width == 1 else 'cells'}",
             "drop the empty lines; a missing sample is an empty cell",
         )
 
@@ -242,12 +184,11 @@ class _Reader:
         self,
         rows: list[list[str]],
         ends: list[int],
-        before: int,
-        lines: _Lines,
-        names: Sequence[str],
+        lines: Lines,
+        width: int,
         places: Sequence[tuple[int, str]],
-    ) -> list[np.ndarray]:
-        width = len(names)
+    ) -> tuple[np.ndarray, ...]:
+        before = self.rows
         if any(len(row) != width for row in rows):
             fine = []
             for i, row in enumerate(rows):
@@ -257,10 +198,10 @@ class _Reader:
                     self._wrong_length(row, ends[i], before + i + 1, lines, width)
             rows, ends = [rows[i] for i in fine], [ends[i] for i in fine]
         cells = list(zip(*rows, strict=True)) if rows else [()] * width
-        return [self._column(cells[k], k, name, ends, before, lines) for k, name in places]
+        return tuple(self._column(cells[k], k, name, ends, before, lines) for k, name in places)
 
     def _column(
-        self, cells: Sequence[str], place: int, name: str, ends: list[int], before: int, lines: _Lines
+        self, cells: Sequence[str], place: int, name: str, ends: list[int], before: int, lines: Lines
     ) -> np.ndarray:
         if not lines.strange:
             try:
@@ -283,7 +224,7 @@ class _Reader:
                 self._no_number(cell, place, name, ends[i], before + i + 1, lines, wanted)
         return column
 
-    def _wrong_length(self, row: list[str], line: int, number: int, lines: _Lines, width: int) -> None:
+    def _wrong_length(self, row: list[str], line: int, number: int, lines: Lines, width: int) -> None:
         text = lines.line(line)
         start, length = _cell_at(text, width) if len(row) > width else (max(1, len(text)), 1)
         cells = "1 cell" if len(row) == 1 else f"{len(row)} cells"
@@ -297,7 +238,7 @@ class _Reader:
             text,
         )  # fmt: skip
 
-    def _no_number(self, cell: str, place: int, name: str, line: int, number: int, lines: _Lines, wanted: str) -> None:
+    def _no_number(self, cell: str, place: int, name: str, line: int, number: int, lines: Lines, wanted: str) -> None:
         text = lines.line(line)
         start, length = _cell_at(text, place)
         shown = cell.strip() if len(cell) <= 40 else cell.strip()[:37] + "..."
@@ -328,8 +269,18 @@ class _Reader:
                     remedy="correct those first; often one cause explains all",
                 )
             )
+        if self.mistakes and self.text.more():
+            self.mistakes.append(
+                Diagnosis(
+                    self.mistakes[0].code,
+                    f"{self.path}: nothing from line {self.text.line} on was looked at",
+                    cause="the recording is long, and cannot be run as it is",
+                    remedy="correct what stands above first",
+                )
+            )
         if self.mistakes:
-            raise DiagnosisError(self.mistakes)
+            header, cells = self.mistakes[: self.in_header], self.mistakes[self.in_header :]
+            raise DiagnosisError([*header, *in_order(cells)])
 
 
 def _is_flag(column: np.ndarray) -> bool:

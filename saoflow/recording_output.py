@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from saoflow.recording_table import EXTENSIONS, extension
 
 ROWS = 8192
 """Rows that are turned into text together."""
+GROUP = 1 << 16
+"""Rows of a row group of Parquet."""
 
 Formatter = Callable[[float], str]
 
@@ -43,6 +45,14 @@ def check_output(path: str | Path, recording: str | Path | None = None) -> Outpu
             "the kind of file is not known by its extension",
             f"choose a name that ends in {', '.join(EXTENSIONS[:-1])} or {EXTENSIONS[-1]}",
         )
+    output = check_place(path, recording)
+    if extension(shown) == ".parquet":
+        need_pyarrow(shown)
+    return output
+
+
+def check_place(path: str | Path, recording: str | Path | None = None) -> Output:
+    """:func:`check_output` for a file of any kind. Raises DiagnosisError E601."""
     remedy = "name a file in a folder that exists and that you may write to"
     try:
         output = _output(path, recording, remedy)
@@ -50,9 +60,7 @@ def check_output(path: str | Path, recording: str | Path | None = None) -> Outpu
             pass
         os.unlink(output.temporary)
     except (OSError, ValueError) as error:  # a ValueError: a null character in the path
-        raise _refusal(shown, getattr(error, "strerror", None) or str(error), remedy) from None
-    if extension(shown) == ".parquet":
-        need_pyarrow(shown)
+        raise _refusal(str(path), getattr(error, "strerror", None) or str(error), remedy) from None
     return output
 
 
@@ -80,49 +88,153 @@ def write_table(
 
     Raises DiagnosisError E601, E605.
     """
+    with open_table(path, formatter) as writer:
+        writer.write(columns)
+
+
+@contextlib.contextmanager
+def open_table(path: str | Path | Output, formatter: Formatter = float.__repr__) -> Iterator[TableWriter]:
+    """A recording to be written in parts. It takes its name at the end; nothing is left behind if it does not get there.
+
+    The same rows give the same bytes, whatever the parts. Raises DiagnosisError E601, E605.
+    """
     output = path if isinstance(path, Output) else check_output(path)
     kind = extension(output.path.name)
+    writer: TableWriter | None = None
     try:
-        with _whole_file(output) as file:
-            if kind == ".parquet":
-                _write_parquet(columns, file, str(output.path))
-            elif kind == ".csv.gz":
-                # No time stamp and no file name inside: the same columns give the same bytes.
-                with gzip.GzipFile("", "wb", 6, file, mtime=0) as packed:
-                    _write_text(columns, packed, formatter)
-            else:
-                _write_text(columns, file, formatter)
+        with _told(output):
+            file = open(output.temporary, "wb")  # noqa: SIM115  closed by the writer
+        make = {".parquet": _ParquetWriter, ".csv.gz": _PackedWriter}.get(kind, TableWriter)
+        writer = make(output, file, formatter)
+        yield writer
+        with _told(output):
+            writer.close()
+            os.replace(output.temporary, output.path)
+    except BaseException:
+        if writer is not None:
+            writer.abandon()
+        with contextlib.suppress(OSError):
+            os.unlink(output.temporary)
+        raise
+
+
+class TableWriter:
+    """Rows for a recording, made by :func:`open_table`; this one writes CSV."""
+
+    def __init__(self, output: Output, file: BinaryIO, formatter: Formatter) -> None:
+        self._output = output
+        self._file = file
+        self._text: BinaryIO | gzip.GzipFile = file
+        self._formatter = formatter
+        self._names: tuple[str, ...] | None = None
+
+    def write(self, columns: Mapping[str, np.ndarray]) -> None:
+        """Append rows: columns (n,) by name, the same names every time. Raises DiagnosisError E601."""
+        with _told(self._output):
+            if self._names is None:
+                self._names = tuple(columns)
+                self._begin(columns)
+            assert tuple(columns) == self._names, "the columns of a table stay what they are"
+            self._rows(columns)
+
+    def close(self) -> None:
+        """The end of the table. Raises OSError."""
+        self._file.close()
+
+    def abandon(self) -> None:
+        """Close what is open, whatever that says."""
+        with contextlib.suppress(OSError, ValueError):
+            self._file.close()
+
+    def _begin(self, columns: Mapping[str, np.ndarray]) -> None:
+        self._text.write((",".join(_quoted(name) for name in columns) + "\n").encode())
+
+    def _rows(self, columns: Mapping[str, np.ndarray]) -> None:
+        rows = len(next(iter(columns.values()))) if columns else 0
+        for start in range(0, rows, ROWS):
+            cells = [_cells(column[start : start + ROWS], self._formatter) for column in columns.values()]
+            self._text.write(("\n".join(map(",".join, zip(*cells, strict=True))) + "\n").encode())
+
+
+class _PackedWriter(TableWriter):
+    """CSV packed by gzip: no time stamp and no file name inside, so that the same rows give the same bytes."""
+
+    def __init__(self, output: Output, file: BinaryIO, formatter: Formatter) -> None:
+        super().__init__(output, file, formatter)
+        self._packed = gzip.GzipFile("", "wb", 6, file, mtime=0)
+        self._text = self._packed
+
+    def close(self) -> None:
+        self._packed.close()
+        super().close()
+
+    def abandon(self) -> None:
+        with contextlib.suppress(OSError, ValueError):
+            self._packed.close()
+        super().abandon()
+
+
+class _ParquetWriter(TableWriter):
+    """Parquet, in row groups of one size."""
+
+    def __init__(self, output: Output, file: BinaryIO, formatter: Formatter) -> None:
+        super().__init__(output, file, formatter)
+        self._pyarrow = need_pyarrow(str(output.path))
+        self._writer: Any = None
+        self._waiting: list[Any] = []
+        """Tables that do not fill a row group yet."""
+        self._count = 0
+
+    def close(self) -> None:
+        self._put()
+        if self._writer is not None:
+            self._writer.close()
+        super().close()
+
+    def abandon(self) -> None:
+        super().abandon()
+        with contextlib.suppress(OSError, ValueError, self._pyarrow.ArrowException):
+            if self._writer is not None:
+                self._writer.close()
+
+    def _begin(self, columns: Mapping[str, np.ndarray]) -> None:
+        schema = self._table(columns).schema
+        self._writer = self._pyarrow.parquet.ParquetWriter(self._file, schema)
+
+    def _rows(self, columns: Mapping[str, np.ndarray]) -> None:
+        table = self._table(columns)
+        while len(table):
+            taken = min(len(table), GROUP - self._count)
+            self._waiting.append(table.slice(0, taken))
+            self._count += taken
+            table = table.slice(taken)
+            if self._count == GROUP:
+                self._put()
+
+    def _put(self) -> None:
+        if self._waiting:
+            self._writer.write_table(self._pyarrow.concat_tables(self._waiting).combine_chunks(), GROUP)
+        self._waiting, self._count = [], 0
+
+    def _table(self, columns: Mapping[str, np.ndarray]) -> Any:
+        return self._pyarrow.table({name: np.ascontiguousarray(column) for name, column in columns.items()})
+
+
+@contextlib.contextmanager
+def _told(output: Output) -> Iterator[None]:
+    """A failure of the file system as a diagnosis."""
+    try:
+        yield
     except OSError as error:
         raise _refusal(
             str(output.path), error.strerror or str(error), "make room, or name a file that can be written"
         ) from None
 
 
-@contextlib.contextmanager
-def _whole_file(output: Output) -> Iterator[BinaryIO]:
-    """A file that takes its name when it is complete; nothing is left behind if it is not."""
-    try:
-        with open(output.temporary, "wb") as file:
-            yield file
-        os.replace(output.temporary, output.path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(output.temporary)
-        raise
-
-
-def _write_text(columns: Mapping[str, np.ndarray], file: BinaryIO | gzip.GzipFile, formatter: Formatter) -> None:
-    file.write((",".join(_quoted(name) for name in columns) + "\n").encode())
-    rows = len(next(iter(columns.values()))) if columns else 0
-    for start in range(0, rows, ROWS):
-        cells = [_cells(column[start : start + ROWS], formatter) for column in columns.values()]
-        file.write(("\n".join(map(",".join, zip(*cells, strict=True))) + "\n").encode())
-
-
 def csv_text(columns: Mapping[str, np.ndarray], formatter: Formatter = float.__repr__) -> str:
     """Columns as the text that :func:`write_table` writes into a CSV file."""
     buffer = io.BytesIO()
-    _write_text(columns, buffer, formatter)
+    TableWriter(Output(Path(), Path()), buffer, formatter).write(columns)
     return buffer.getvalue().decode()
 
 
@@ -134,13 +246,6 @@ def _cells(column: np.ndarray, formatter: Formatter) -> list[str]:
 
 def _quoted(name: str) -> str:
     return '"' + name.replace('"', '""') + '"' if any(mark in name for mark in ',"\r\n') else name
-
-
-def _write_parquet(columns: Mapping[str, np.ndarray], file: BinaryIO, path: str) -> None:
-    pyarrow = need_pyarrow(path)
-    buffer = io.BytesIO()
-    pyarrow.parquet.write_table(pyarrow.table({name: np.asarray(c) for name, c in columns.items()}), buffer)
-    file.write(buffer.getbuffer())
 
 
 def _refusal(path: str, cause: str, remedy: str) -> DiagnosisError:

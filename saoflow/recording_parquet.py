@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
-from saoflow.recording_table import MOST_BYTES, MOST_SHOWN, Chooser, Table, nothing_in, too_large, unreadable
+from saoflow.recording_table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
+
+ROWS = 8192
+"""Rows that are read together."""
+BUFFER = 1 << 16
+"""Bytes that are read together of each column."""
 
 
 def need_pyarrow(path: str) -> Any:
@@ -30,34 +35,35 @@ def need_pyarrow(path: str) -> Any:
     return pyarrow
 
 
-def read_parquet(path: str, choose: Chooser, flags: frozenset[str]) -> Table:
+def parquet_parts(path: str, choose: Chooser, flags: frozenset[str]) -> Iterator[Part]:
+    """The chosen columns, some rows at a time; those in ``flags`` hold 0 and 1. Mistakes as in :func:`csv_parts`."""
     pyarrow = need_pyarrow(path)
     try:
-        with pyarrow.parquet.ParquetFile(path) as file:
+        # Buffered, and not ahead of the rows: a row group as long as the file stays on the disk.
+        with pyarrow.parquet.ParquetFile(path, buffer_size=BUFFER, pre_buffer=False) as file:
             names = list(file.schema_arrow.names)
             chosen = choose(names)
             mistakes = [d for d in chosen if isinstance(d, Diagnosis)]
             wanted = [name for name in chosen if isinstance(name, str)]
             rows = file.metadata.num_rows
             mistakes += _parquet_mistakes(path, pyarrow, file.schema_arrow, wanted)
-            if rows * max(1, len(wanted)) * 8 > MOST_BYTES:
-                mistakes.append(too_large(path))
             if not rows and not mistakes:
                 mistakes.append(nothing_in(path, "E504", "the recording has no rows", "the file has columns only"))
             if mistakes:
                 raise DiagnosisError(mistakes)
-            table = file.read(columns=wanted)
-        columns = tuple(_parquet_column(table.column(name), pyarrow) for name in wanted)
+            done = 0
+            for batch in file.iter_batches(ROWS, columns=wanted, use_threads=False):
+                columns = tuple(_parquet_column(batch.column(name), pyarrow) for name in wanted)
+                for i, name in enumerate(wanted):
+                    if name in flags and len(mistakes) < MOST_SHOWN:
+                        mistakes += _parquet_flags(path, name, i, done, columns[i])
+                done += batch.num_rows
+                if not mistakes:
+                    yield Part(Table(tuple(wanted), columns, batch.num_rows), done / rows)
     except pyarrow.ArrowException as error:
         raise unreadable(path, f"it is not a Parquet file: {str(error).splitlines()[0]}", "write it again") from None
-    mistakes = []
-    for name, column in zip(wanted, columns, strict=True):
-        if name in flags:
-            odd = np.flatnonzero((column != 0) & (column != 1) & np.isfinite(column))
-            mistakes += [_parquet_flag(path, name, wanted.index(name), int(i), column[i]) for i in odd[:MOST_SHOWN]]
     if mistakes:
         raise DiagnosisError(mistakes[:MOST_SHOWN])
-    return Table(tuple(wanted), columns, rows)
 
 
 def _parquet_mistakes(path: str, pyarrow: Any, schema: Any, wanted: Sequence[str]) -> list[Diagnosis]:
@@ -83,14 +89,19 @@ def _parquet_mistakes(path: str, pyarrow: Any, schema: Any, wanted: Sequence[str
 def _parquet_column(column: Any, pyarrow: Any) -> np.ndarray:
     if not pyarrow.types.is_float64(column.type):
         column = column.cast(pyarrow.float64(), safe=False)
-    return np.asarray(column.to_numpy(), dtype=np.float64)  # null comes out as NaN
+    return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)  # null comes out as NaN
 
 
-def _parquet_flag(path: str, name: str, place: int, row: int, value: float) -> Diagnosis:
-    return Diagnosis(
-        "E503",
-        f"`{value:g}` in row {row + 1} of column `{name}` is not 0 or 1",
-        Position(path, row + 1, place + 1),
-        "the column is a boolean input: 0 or 1",
-        "correct the cell; a missing sample is null or NaN",
-    )
+def _parquet_flags(path: str, name: str, place: int, before: int, column: np.ndarray) -> list[Diagnosis]:
+    """Values of a boolean input that are neither; ``before``: rows before the first of ``column``."""
+    odd = np.flatnonzero((column != 0) & (column != 1) & np.isfinite(column))
+    return [
+        Diagnosis(
+            "E503",
+            f"`{column[i]:g}` in row {before + i + 1} of column `{name}` is not 0 or 1",
+            Position(path, before + int(i) + 1, place + 1),
+            "the column is a boolean input: 0 or 1",
+            "correct the cell; a missing sample is null or NaN",
+        )
+        for i in odd[:MOST_SHOWN]
+    ]

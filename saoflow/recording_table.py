@@ -12,7 +12,7 @@ from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
 
 EXTENSIONS = (".csv", ".csv.gz", ".parquet")
 MOST_BYTES = 2**30
-"""Bound on the text of a recording, unpacked."""
+"""Bound on the numbers of a recording that is read as a whole."""
 MOST_SHOWN = 50
 """Mistakes shown one by one; the rest is counted."""
 
@@ -33,6 +33,15 @@ class Table:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[self.names.index(name)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Rows of a recording that is read in parts."""
+
+    table: Table
+    share: float
+    """The share of the file that is read with them, 0 to 1."""
 
 
 def extension(path: str) -> str:
@@ -61,6 +70,6 @@ def too_large(path: str) -> Diagnosis:
         "E110",
         "the recording is too large",
         Position(path, 1, 1),
-        f"it holds more than {MOST_BYTES // 2**20} MiB",
+        f"its numbers take more than {MOST_BYTES // 2**20} MiB",
         "split it, or leave out columns that the sheet does not need",
     )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import time
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -22,14 +22,17 @@ from saoflow.commands.shell import (
     progress_bar,
     tell,
 )
-from saoflow.diagnosis import Diagnosis
+from saoflow.diagnosis import Diagnosis, refusal
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
-    from saoflow.recording import Frames, Output
+    from saoflow.recording import FrameReader, Output
+    from saoflow.recording_run import Done, Kept
     from saoflow.scheduler.simulator import Simulator
 
 BACKENDS = ("interpreter", "c")
+REPORT_FRAMES = 100_000
+"""Frames that a report shows, at most."""
 
 
 def run(
@@ -53,17 +56,22 @@ def run(
         ),
     ] = None,
     exact: Annotated[bool, typer.Option("--exact", help="Put the functions of tables in their place.")] = False,
+    report: Annotated[
+        str | None, typer.Option("--report", metavar="FILE", help="Write a page with plots, too.", show_default=False)
+    ] = None,
     json: Json = False,
 ) -> None:
-    """Run a recording through a sheet, one row a frame.
+    """Run a recording of any length through a sheet, one row a frame.
 
-    Example: saoflow run cmhe_fte flight.csv -o estimates.csv
+    Example: saoflow run cmhe_fte flight.csv -o estimates.csv --report estimates.html
     """
-    from saoflow.recording import check_output, read_frames
+    from saoflow.recording import FrameReader, check_output
 
     findings = Findings()
     probes = list(dict.fromkeys(probe or ()))
     place = findings.attempt(lambda: check_output(output, recording))
+    if report is not None:
+        findings.attempt(lambda: _check_report(report, recording, output))
     known = backend in BACKENDS and real in (64, 32)
     if backend not in BACKENDS:
         findings.add(one_of("--backend", backend, BACKENDS))
@@ -72,13 +80,25 @@ def run(
     sheet = load_sheet(name, settings, findings)
     simulator = _simulator(sheet, backend, real, probes, exact, findings, json) if sheet and known else None
     ports = None if sheet is None else sheet.input_types
-    frames = None if ports is None else findings.attempt(lambda: read_frames(recording, ports))
-    if simulator is None or frames is None or place is None or findings.errors:
+    reader = None if ports is None else findings.attempt(lambda: FrameReader(recording, ports))
+    if sheet is None or simulator is None or reader is None or place is None or findings.errors:
         finish(findings.found, json)
         raise typer.Exit(BAD_INPUT)
-    findings.extend(frames.warnings)
-    facts = _run(simulator, frames, place)
-    facts = {"sheet": simulator.program.sheet, "recording": recording, "output": output, **facts}
+    done = findings.attempt(lambda: _run(sheet, simulator, reader, place, report, findings))
+    if done is None:
+        finish(findings.found, json)
+        raise typer.Exit(BAD_INPUT)
+    facts = {
+        "sheet": simulator.program.sheet,
+        "recording": recording,
+        "output": output,
+        **({} if report is None else {"report": report}),
+        "frames": done.frames,
+        "seconds": round(done.seconds, 6),
+        "frames_per_second": round(done.frames / max(done.seconds, 1e-9)),
+        "missing": done.missing,
+        "columns": list(done.columns),
+    }
     if json:
         finish(findings.found, json, facts)
         return
@@ -119,27 +139,50 @@ def _simulator(
     return simulator
 
 
-def _run(simulator: Simulator, frames: Frames, place: Output) -> dict[str, Any]:
-    import numpy as np
+def _check_report(report: str, recording: str, output: str) -> None:
+    """Refuse now a report that could not be written later. Raises DiagnosisError E601."""
+    from saoflow.recording import check_place
 
-    from saoflow.recording import output_columns, write_table
+    if Path(report).resolve() == Path(output).resolve():
+        cause, remedy = "it is the recording that is written", "name another file"
+        raise refusal("E601", f"{report}: cannot be written", cause=cause, remedy=remedy)
+    check_place(report, recording)
 
-    program = simulator.program
-    start = time.perf_counter()
-    with progress_bar(f"running {program.sheet}", frames.count) as bar:
-        # A sheet without inputs takes the number of frames from any array.
-        arrays = simulator.run(frames.inputs or {"frames": np.zeros(frames.count)}, progress=bar)
-    seconds = time.perf_counter() - start
-    types = {port.name: port.type for port in (*program.outputs, *program.probes)}
-    columns = output_columns(arrays, types, frames.t)
-    write_table(place, columns)
-    return {
-        "frames": frames.count,
-        "seconds": round(seconds, 6),
-        "frames_per_second": round(frames.count / max(seconds, 1e-9)),
-        "missing": frames.missing,
-        "columns": list(columns),
-    }
+
+def _run(
+    sheet: LoadedSheet,
+    simulator: Simulator,
+    reader: FrameReader,
+    place: Output,
+    report: str | None,
+    findings: Findings,
+) -> Done:
+    """Run all frames, write them, and the report. Raises DiagnosisError; warnings go to the findings."""
+    from saoflow.recording_run import Kept, run_recording
+
+    kept = None if report is None else Kept(REPORT_FRAMES)
+    with reader, progress_bar(f"running {simulator.program.sheet}", 1.0) as bar:
+        done = run_recording(simulator, reader, place, bar, kept)
+    findings.extend(reader.warnings)
+    if report is not None and kept is not None:
+        if kept.count < done.frames:
+            findings.add(
+                Diagnosis(
+                    "W502",
+                    f"{report} shows the first {kept.count} of {done.frames} frames",
+                    cause="more would be no picture, and no page that opens",
+                    remedy="none needed: the output holds all; run a part of the recording to see it",
+                )
+            )
+        _write_report(sheet, kept, report)
+    return done
+
+
+def _write_report(sheet: LoadedSheet, kept: Kept, report: str) -> None:
+    from saoflow.report import report_of_run, write_report
+
+    with progress_bar(f"drawing {report}", 1.0) as bar:
+        write_report(report, report_of_run(sheet, kept.inputs(), kept.outputs(), kept.t()), bar)
 
 
 def _summary(facts: dict[str, Any]) -> str:
@@ -149,4 +192,5 @@ def _summary(facts: dict[str, Any]) -> str:
     return (
         f"{facts['sheet']}: {frames} in {facts['seconds']:.2f} s ({facts['frames_per_second']} frames/s), {samples}; "
         f"{len(facts['columns'])} columns in {facts['output']}"
+        + (f"; {facts['report']}" if "report" in facts else "")
     )

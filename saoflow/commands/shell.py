@@ -142,14 +142,14 @@ PATIENCE = 1.0
 class Bar:
     """Progress on standard error: only on a terminal, and only for work of more than a second."""
 
-    def __init__(self, title: str, total: int) -> None:
+    def __init__(self, title: str, total: float) -> None:
         self.title, self.total = title, total
         self.start = time.monotonic()
         self.progress: Progress | None = None
         self.wanted = sys.stderr.isatty()
         self.task: Any = None
 
-    def __call__(self, done: int) -> None:
+    def __call__(self, done: float) -> None:
         """So much is done."""
         if not self.wanted or (self.progress is None and time.monotonic() - self.start < PATIENCE):
             return
@@ -164,7 +164,7 @@ class Bar:
 
 
 @contextmanager
-def progress_bar(title: str, total: int) -> Iterator[Bar]:
+def progress_bar(title: str, total: float) -> Iterator[Bar]:
     """A bar that goes away when the work is done or has failed."""
     bar = Bar(title, total)
     try:

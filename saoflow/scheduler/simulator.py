@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -107,6 +107,15 @@ class Simulator:
         if flights is None and self.program.real == 64:
             return self._run_one(arrays, frames, progress)
         return self._run_batch(arrays, flights, frames, progress)
+
+    def run_chunks(self, chunks: Iterable[Mapping[str, Any]]) -> Iterator[Arrays]:
+        """Frames in a row that need not be in memory together: the outputs of each chunk of inputs, as it is asked for.
+
+        Chunks are what :meth:`run` takes, of one flight or of one batch, and of any number of frames; the outputs
+        are to the bit those of one run of all frames. Raises DiagnosisError E502, E507, E508.
+        """
+        for chunk in chunks:
+            yield self.run(chunk)
 
     def _run_one(self, arrays: Arrays, frames: int, progress: Callable[[int], None] | None) -> Arrays:
         if self._scalar is None:
