@@ -40,7 +40,8 @@ class ScalarSystem:
     def controls(self) -> Array:
         """u, (frames,)."""
         per_level = (np.arange(self.frames) * len(self.levels) * T_S + 1e-9) % len(self.levels)
-        return np.array(self.levels)[per_level.astype(int)]
+        u: Array = np.array(self.levels)[per_level.astype(int)]
+        return u
 
     def states(self) -> Array:
         """x, (frames,), exact but for rounding: the system has no disturbance."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from verification.reference.double_mhe.model import Array, Window, convexified, f, linearised
 from verification.reference.double_mhe.quadratic_program import estimate
-from verification.reference.double_mhe.tuning import Tuning
+from verification.reference.double_mhe.tuning import PAPER, Tuning
 
 Estimator = Callable[[Window, Array, Tuning], Array]
 """From a window and its warm start (n,) to the estimates of its samples (n,)."""
@@ -58,13 +58,13 @@ def _padded(rows: list[Array], tuning: Tuning) -> Array:
     return np.array([np.concatenate([np.full(tuning.n - len(row), tuning.guess), row]) for row in rows])
 
 
-def run_convexified(inputs: Mapping[str, Array], tuning: Tuning = Tuning()) -> dict[str, Array]:
+def run_convexified(inputs: Mapping[str, Array], tuning: Tuning = PAPER) -> dict[str, Array]:
     """What the sheet `convexified_mhe` gives for y and u."""
     x = _padded([x for _, x in over_run(inputs["y"], inputs["u"], convexified_stage, tuning)], tuning)
     return {"x_hat": x[:, -1], "x": x}
 
 
-def run_double(inputs: Mapping[str, Array], tuning: Tuning = Tuning()) -> dict[str, Array]:
+def run_double(inputs: Mapping[str, Array], tuning: Tuning = PAPER) -> dict[str, Array]:
     """What the sheet `double_mhe` gives."""
     frames = over_run(inputs["y"], inputs["u"], convexified_stage, tuning)
     x_bar = [x for _, x in frames]
@@ -72,13 +72,13 @@ def run_double(inputs: Mapping[str, Array], tuning: Tuning = Tuning()) -> dict[s
     return {"x_hat": x[:, -1], "x": x, "x_bar": _padded(x_bar, tuning)}
 
 
-def run_nonlinear(inputs: Mapping[str, Array], tuning: Tuning = Tuning()) -> dict[str, Array]:
+def run_nonlinear(inputs: Mapping[str, Array], tuning: Tuning = PAPER) -> dict[str, Array]:
     """What the sheet `nonlinear_mhe` gives."""
     x = _padded([x for _, x in over_run(inputs["y"], inputs["u"], nonlinear, tuning)], tuning)
     return {"x_hat": x[:, -1], "x": x}
 
 
-def run_linearised(inputs: Mapping[str, Array], tuning: Tuning = Tuning()) -> dict[str, Array]:
+def run_linearised(inputs: Mapping[str, Array], tuning: Tuning = PAPER) -> dict[str, Array]:
     """What the sheet `linearised_mhe` gives for windows y, u, present, x_bar; of a missing sample it is its x_bar."""
     rows = []
     for y, u, present, x_bar in zip(inputs["y"], inputs["u"], inputs["present"], inputs["x_bar"], strict=True):

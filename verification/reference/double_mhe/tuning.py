@@ -39,3 +39,7 @@ class Tuning:
     """Active-set passes of one quadratic program; chosen."""
     iterations: int = 3
     """Linearisations of the nonlinear problem in a frame; chosen."""
+
+
+PAPER = Tuning()
+"""The paper's numbers."""
