@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from verification.reference.arrays import Array, Mask, saturate
-from verification.reference.cstr.reactor import trajectory
 from verification.reference.cstr.shooting import ShootingExpansion, expand_shooting
 from verification.reference.cstr.tuning import Tuning
 from verification.reference.cstr.window import Expansion, Information, expand, held, step_of
@@ -19,9 +20,9 @@ from verification.reference.cstr.window import Expansion, Information, expand, h
 class Pass:
     """One pass over the window."""
 
-    at: Expansion | ShootingExpansion
-    hold: Mask  # (n, 2), or (2,) without noises
-    x: Array  # after the pass: (n, 2), or (2,) without noises
+    at: Expansion
+    hold: Mask  # (n, 2)
+    x: Array  # (n, 2), after the pass
 
 
 def estimate(x: Array, given: Information, tuning: Tuning, passes: int | None = None) -> list[Pass]:
@@ -36,18 +37,33 @@ def estimate(x: Array, given: Information, tuning: Tuning, passes: int | None = 
     return done
 
 
-def estimate_first(first: Array, given: Information, tuning: Tuning, passes: int | None = None) -> list[Pass]:
-    """Run the passes for the first state (2,) alone, without noises; the last pass holds its estimate."""
-    first = saturate(first, tuning.lower, tuning.upper)
-    done = []
-    for _ in range(tuning.n_GN if passes is None else passes):
-        at = expand_shooting(first, given, tuning)
-        hold = held(first, at.gradient, tuning)
-        first = saturate(first + step_of(at.gauss_newton, -at.gradient, hold), tuning.lower, tuning.upper)
-        done.append(Pass(at, hold, first))
+@dataclass(frozen=True)
+class DampedPass:
+    """One pass for the first state of a window without noises."""
+
+    at: ShootingExpansion  # at the trial of the pass before
+    better: bool  # its cost is not above the best one
+    best: ShootingExpansion
+    hold: Mask  # (2,)
+    damping: float
+    trial: Array  # (2,), for the next pass
+
+
+def estimate_first(first: Array, given: Information, tuning: Tuning, passes: int | None = None) -> list[DampedPass]:
+    """Run damped passes (Levenberg, Marquardt) for the first state (2,); the last pass holds the best window.
+
+    Without noises the cost is far from quadratic: undamped steps diverge in one window of a hundred.
+    """
+    trial = saturate(first, tuning.lower, tuning.upper)
+    damping, done = tuning.damping, list[DampedPass]()
+    for _ in range(tuning.n_GN_first if passes is None else passes):
+        at = expand_shooting(trial, given, tuning)
+        better = not done or done[-1].best.J * (1.0 + tuning.J_margin) >= at.J
+        best = at if better else done[-1].best
+        factor = tuning.relax if better else 1.0 / tuning.relax
+        damping = float(saturate(np.array(damping * factor), tuning.damping_min, tuning.damping_max))
+        hold = held(best.x[0], best.gradient, tuning)
+        move = step_of(best.gauss_newton + damping * np.eye(2), -best.gradient, hold)
+        trial = saturate(best.x[0] + move, tuning.lower, tuning.upper)
+        done.append(DampedPass(at, better, best, hold, damping, trial))
     return done
-
-
-def window_of(first: Array, given: Information, tuning: Tuning) -> Array:
-    """Return the states that follow from the first one, shape (n, 2)."""
-    return trajectory(first, given.u, tuning)

@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.reference.arrays import Array, saturate
-from verification.reference.cstr.algorithm_1 import Pass, estimate, estimate_first
+from verification.reference.cstr.algorithm_1 import DampedPass, Pass, estimate, estimate_first
 from verification.reference.cstr.reactor import step as predict
-from verification.reference.cstr.reactor import trajectory
 from verification.reference.cstr.sensitivity import Update, update, update_first
 from verification.reference.cstr.tuning import Tuning
 from verification.reference.cstr.window import Information
@@ -59,7 +58,7 @@ class Frame:
     x_hat: Array  # (2,), the estimate of the present state
     warm: Array  # (N + 1, 2), what the passes start from
     x_bar: Array  # (2,)
-    passes: tuple[Pass, ...]
+    passes: tuple[Pass, ...] | tuple[DampedPass, ...]
     x: Array  # (N + 1, 2), Algorithm 1's estimates of the window
     update: Update | None  # Algorithm 2's
 
@@ -84,12 +83,13 @@ def step(state: State, y: float, u: float, tuning: Tuning, method: Method) -> Fr
         warm = np.column_stack([np.full(tuning.N + 1, tuning.x_bar_1), y_all[1:]])
     x_bar = tuning.x_bar_0 if starting else state.x[1]
     given = Information(x_bar, y_all[1:], u_all[1:])
+    passes: tuple[Pass, ...] | tuple[DampedPass, ...]
     if method.noises:
-        passes = estimate(warm, given, tuning)
-        x = passes[-1].x
+        steps = estimate(warm, given, tuning)
+        passes, x = tuple(steps), steps[-1].x
     else:
-        passes = estimate_first(warm[0], given, tuning)
-        x = trajectory(passes[-1].x, given.u, tuning)
+        damped = estimate_first(warm[0], given, tuning)
+        passes, x = tuple(damped), damped[-1].best.x
 
     updated = None
     if method.ahead:
@@ -98,7 +98,7 @@ def step(state: State, y: float, u: float, tuning: Tuning, method: Method) -> Fr
     x_hat = x[-1] if updated is None or starting else updated.x[-1]
     valid = state.count >= tuning.N + method.ahead
     following = State(min(state.count + 1, tuning.N + 1), y_all[1:], u_all[1:], x, x_bar)
-    return Frame(following, valid, x_hat, warm, x_bar, tuple(passes), x, updated)
+    return Frame(following, valid, x_hat, warm, x_bar, passes, x, updated)
 
 
 def frames(recording: Mapping[str, npt.ArrayLike], tuning: Tuning, method: Method) -> list[Frame]:

@@ -6,16 +6,23 @@ x+ = x + h (g(x+, u) + w), where the noise w acts inside the right-hand sides, a
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from verification.reference.arrays import Array, saturate
+from verification.reference.arrays import Array
 from verification.reference.cstr.tuning import Tuning
+
+
+def limited(value: float, low: float, high: float) -> float:
+    """Return the value limited to [low, high]; NaN comes out as `low`."""
+    return low if not value > low else min(value, high)
 
 
 def rate_constant(x2: float, tuning: Tuning) -> tuple[float, float, float]:
     """Return k = k_0 exp(-E_a/x2) and its first two derivatives; x2 is limited to the temperatures of X."""
-    T = float(saturate(np.asarray(x2), tuning.x2_min, tuning.x2_max))
-    k = tuning.k_0 * float(np.exp(-tuning.E_a / T))
+    T = limited(x2, tuning.x2_min, tuning.x2_max)
+    k = tuning.k_0 * math.exp(-tuning.E_a / T)
     slope = tuning.E_a / T**2
     return k, k * slope, k * slope * (slope - 2.0 / T)
 
@@ -47,16 +54,17 @@ def step(x: Array, u: float, tuning: Tuning, w: Array | None = None, passes: int
     temperature and stays in X.
     """
     h, leak = tuning.h, 1.0 + tuning.h / tuning.theta
-    x1, x2 = x if w is None else x + h * w
+    x1, x2 = (float(x_j) for x_j in (x if w is None else x + h * w))
     a = leak + h * tuning.alpha * u
     b = x2 + h * (tuning.x_f / tuning.theta + tuning.alpha * u * tuning.x_cw)
     inflow = x1 + h / tuning.theta
-    z = float(saturate(np.asarray(x2), tuning.x2_min, tuning.x2_max))
+    z = limited(x2, tuning.x2_min, tuning.x2_max)
     for _ in range(tuning.n_f if passes is None else passes):
         k, k_T, _ = rate_constant(z, tuning)
         burnt = inflow / (leak + h * k)
         slope = a - h * k_T * burnt * leak / (leak + h * k)
-        z = float(saturate(np.asarray(z - (a * z - h * k * burnt - b) / slope), tuning.x2_min, tuning.x2_max))
+        off = a * z - h * k * burnt - b
+        z = limited(z - off / slope if slope else math.nan, tuning.x2_min, tuning.x2_max)
     return np.array([inflow / (leak + h * rate_constant(z, tuning)[0]), z])
 
 

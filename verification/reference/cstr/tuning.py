@@ -49,6 +49,13 @@ class Tuning:
 
     # Iterations
     n_GN: int = count(4, CHOSEN + "Gauss-Newton passes a frame")
+    push_min: float = quantity(1e-6, "1", CHOSEN + "least gradient of J/2 that holds a component: above rounding")
+    n_GN_first: int = count(10, CHOSEN + "the same without noises, where the passes are damped")
+    damping: float = quantity(10.0, "1", CHOSEN + "without noises, added to the Hessian before the first pass")
+    relax: float = quantity(0.1, "1", CHOSEN + "times the damping after a success; divides it after a failure")
+    damping_min: float = quantity(1e-3, "1", CHOSEN + "far below P")
+    damping_max: float = quantity(1e9, "1", CHOSEN + "stands still")
+    J_margin: float = quantity(1e-9, "1", CHOSEN + "a cost counts as larger from this fraction on: above rounding")
     n_f: int = count(5, CHOSEN + "Newton passes of an implicit Euler step")
     optimal: float = quantity(1.0, "1", CHOSEN + "largest free element of the gradient of J/2 that counts as zero in (24)")
 

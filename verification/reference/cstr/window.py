@@ -70,7 +70,7 @@ def expand(x: Array, given: Information, tuning: Tuning) -> Expansion:
 
 def held(x: Array, gradient: Array, tuning: Tuning) -> Mask:
     """Return which components are on a bound of X that the cost pushes them against, of the shape of x."""
-    pushed: Mask = ((x <= tuning.lower) & (gradient > 0.0)) | ((x >= tuning.upper) & (gradient < 0.0))
+    pushed: Mask = ((x <= tuning.lower) & (gradient > tuning.push_min)) | ((x >= tuning.upper) & (gradient < -tuning.push_min))
     return pushed
 
 
