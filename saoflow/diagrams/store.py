@@ -21,6 +21,7 @@ class SheetStore:
     def __init__(self) -> None:
         self.sources = SourceLines()
         self._sheets: dict[Path, Sheet | DiagnosisError] = {}
+        self._by_file: dict[str, Sheet | None] = {}
 
     @cached_property
     def shipped(self) -> dict[str, Path]:
@@ -66,6 +67,13 @@ class SheetStore:
         if name in self.shipped:
             return self._read(self.shipped[name])
         return None
+
+    def sheet_of(self, file: str) -> Sheet | None:
+        """The sheet that was read from a file, by the file's name as positions have it."""
+        found = (sheet for sheet in self._sheets.values() if isinstance(sheet, Sheet))
+        return self._by_file.get(file) or self._by_file.setdefault(
+            file, next((sheet for sheet in found if sheet.file == file), None)
+        )
 
     def _with_parameters_of(self, sheet: Sheet) -> Sheet:
         """The sheet with the parameters of another that it names, those that it declares itself in their place."""
