@@ -14,23 +14,21 @@ import numpy as np
 
 from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
-from saoflow.diagrams.elaborate import elaborate
 from saoflow.diagrams.expression_parser import parse_expression
 from saoflow.diagrams.expression_value import Quantity, evaluate
-from saoflow.diagrams.netlist import Netlist
 from saoflow.diagrams.sheet import Sheet
 from saoflow.diagrams.store import SheetStore
-from saoflow.scheduler.budget import BudgetReport, budget_report
-from saoflow.scheduler.lowering import lower
 from saoflow.scheduler.program import FrameProgram
-from saoflow.scheduler.schedule import Schedule, order
-from saoflow.scheduler.simplify import simplify
 from saoflow.scheduler.simulator import Simulator
-from saoflow.scheduler.validate import validate_program, validate_schedule
 from saoflow.wires import WireType
 
+# Each stage is imported when it first runs: a sheet whose compiled frames are kept needs none of them.
 if TYPE_CHECKING:
     import networkx as nx
+
+    from saoflow.diagrams.netlist import Netlist
+    from saoflow.scheduler.budget import BudgetReport
+    from saoflow.scheduler.schedule import Schedule
 
 STAGES = ("sheet", "netlist", "schedule", "program", "python")
 """What ``saoflow show --stage`` prints."""
@@ -52,12 +50,17 @@ class LoadedSheet:
     @cached_property
     def netlist(self) -> Netlist:
         """Every parameter a number, every block a symbol, every shape and unit known."""
+        from saoflow.diagrams.elaborate import elaborate
+
         with collector_paused():
             return elaborate(self.sheet, self.store, self.given)
 
     @cached_property
     def schedule(self) -> Schedule:
         """The nodes in the order in which they run, checked by a second piece of code."""
+        from saoflow.scheduler.schedule import order
+        from saoflow.scheduler.validate import validate_schedule
+
         netlist = self.netlist
         with collector_paused():
             schedule = order(netlist)
@@ -66,6 +69,10 @@ class LoadedSheet:
 
     def program(self, real: int = 64, probes: Collection[str] = ()) -> FrameProgram:
         """What one frame executes, in ``real`` bits, with the probed wires among its results."""
+        from saoflow.scheduler.lowering import lower
+        from saoflow.scheduler.simplify import simplify
+        from saoflow.scheduler.validate import validate_program
+
         schedule = self.schedule
         with collector_paused():
             program = simplify(lower(schedule, real=real, probes=probes))
@@ -95,6 +102,8 @@ class LoadedSheet:
 
     def budget(self) -> BudgetReport:
         """Operations per frame by kind and by sub-sheet, against the sheet's budget."""
+        from saoflow.scheduler.budget import budget_report
+
         return budget_report(self.frame_program, self.netlist)
 
     def simulator(

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from saoflow.codegen.compiler import find_compiler
 from saoflow.codegen.native import NativeSimulator
-from saoflow.codegen.objects import ProgramSource, objects_of, warn_once
+from saoflow.codegen.objects import ProgramSource, kept_objects, objects_of, warn_once
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.scheduler.simulator import Simulator
 
@@ -34,3 +34,10 @@ def native_simulator(sheet: ProgramSource, real: int, probes: Collection[str], e
         return None
     objects = objects_of(sheet, real, probes, compiler)
     return NativeSimulator(objects.program, objects)
+
+
+def kept_simulator(sheet: ProgramSource, real: int, probes: Collection[str]) -> Simulator | None:
+    """Frames in C of a sheet that was right and within its budget before, without elaborating it again; else None."""
+    compiler = find_compiler()
+    objects = None if compiler is None else kept_objects(sheet, real, probes, compiler)
+    return None if objects is None else NativeSimulator(objects.program, objects)

@@ -15,7 +15,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -26,8 +26,10 @@ from saoflow.diagnosis import Diagnosis
 from saoflow.diagrams.expression_value import Quantity
 from saoflow.diagrams.sheet import Sheet
 from saoflow.diagrams.store import SHIPPED
-from saoflow.scheduler.budget import BudgetReport
 from saoflow.scheduler.program import FrameProgram
+
+if TYPE_CHECKING:
+    from saoflow.scheduler.budget import BudgetReport
 
 MOST_SHEETS = 300
 """A sheet in a folder of more YAML files than this is elaborated every time."""
@@ -97,6 +99,24 @@ class Objects:
 
 def objects_of(sheet: ProgramSource, real: int, probes: Collection[str], compiler: Compiler) -> Objects:
     """The program of a sheet and its objects. Raises DiagnosisError as elaboration does, and E401."""
+    kept, folder, key = _kept(sheet, real, probes)
+    if kept is not None:
+        return Objects(kept, compiler, folder, key)
+    sheet.budget().raise_if_over()
+    program = sheet.program(real, probes) if real != 64 or probes else sheet.frame_program
+    if key:
+        _keep(folder, f"{key}.program", pickle.dumps(program, 5))
+    return Objects(program, compiler, folder, key)
+
+
+def kept_objects(sheet: ProgramSource, real: int, probes: Collection[str], compiler: Compiler) -> Objects | None:
+    """:func:`objects_of` for a sheet that was elaborated before, in this or another process; else None."""
+    kept, folder, key = _kept(sheet, real, probes)
+    return None if kept is None else Objects(kept, compiler, folder, key)
+
+
+def _kept(sheet: ProgramSource, real: int, probes: Collection[str]) -> tuple[FrameProgram | None, Folder, str]:
+    """The program if it is kept, where that is, and what finds it there. A program over its budget is not kept."""
     folder = cache_folder()
     if folder.problem:
         warn_once(
@@ -106,16 +126,12 @@ def objects_of(sheet: ProgramSource, real: int, probes: Collection[str], compile
         )
     key = "" if folder.problem else _key(sheet, real, probes)
     found = folder.read(f"{key}.program") if key else None
-    if found is not None:
-        with collector_paused():
-            # Written by this very code (its fingerprint is in the key), into a folder that only its owner writes to.
-            program: FrameProgram = pickle.loads(found)
-        return Objects(program, compiler, folder, key)
-    sheet.budget().raise_if_over()
-    program = sheet.program(real, probes) if real != 64 or probes else sheet.frame_program
-    if key:
-        _keep(folder, f"{key}.program", pickle.dumps(program, 5))
-    return Objects(program, compiler, folder, key)
+    if found is None:
+        return None, folder, key
+    with collector_paused():
+        # Written by this very code (its fingerprint is in the key), into a folder that only its owner writes to.
+        program: FrameProgram = pickle.loads(found)
+    return program, folder, key
 
 
 def _keep(folder: Folder, name: str, content: bytes) -> None:

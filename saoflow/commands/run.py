@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from saoflow.recording import FrameReader, Output
     from saoflow.recording_run import Done, Kept
     from saoflow.scheduler.simulator import Simulator
+    from saoflow.wires import WireType
 
 BACKENDS = ("interpreter", "c")
 REPORT_FRAMES = 100_000
@@ -77,9 +78,14 @@ def run(
         findings.add(one_of("--backend", backend, BACKENDS))
     if real not in (64, 32):
         findings.add(one_of("--real", str(real), ("64", "32")))
-    sheet = load_sheet(name, settings, findings)
-    simulator = _simulator(sheet, backend, real, probes, exact, findings, json) if sheet and known else None
-    ports = None if sheet is None else sheet.input_types
+    sheet = load_sheet(name, settings, findings, check=False)
+    simulator = _kept(sheet, real, probes) if sheet and known and backend == "c" and not exact else None
+    if sheet is not None and simulator is None:
+        sheet = _checked(sheet, findings)
+        simulator = _simulator(sheet, backend, real, probes, exact, findings, json) if sheet and known else None
+    if simulator is not None:
+        _refuse_twins(simulator, probes, findings)
+    ports = _ports(sheet, simulator)
     reader = None if ports is None else findings.attempt(lambda: FrameReader(recording, ports))
     if sheet is None or simulator is None or reader is None or place is None or findings.errors:
         finish(findings.found, json)
@@ -106,6 +112,29 @@ def run(
     print(_summary(facts))
 
 
+def _kept(sheet: LoadedSheet, real: int, probes: list[str]) -> Simulator | None:
+    """Compiled frames of a sheet that was right before: a sheet that has not changed is not elaborated."""
+    from saoflow.codegen.backend import kept_simulator
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a cache that cannot be used is told by the simulator that is made then
+        return kept_simulator(sheet, real, probes)
+
+
+def _checked(sheet: LoadedSheet, findings: Findings) -> LoadedSheet | None:
+    """The sheet if it is right."""
+    before = len(findings.errors)
+    findings.attempt(sheet.check)
+    return sheet if len(findings.errors) == before else None
+
+
+def _ports(sheet: LoadedSheet | None, simulator: Simulator | None) -> dict[str, WireType] | None:
+    """The inputs; those of a simulator need no elaborated sheet."""
+    if simulator is not None:
+        return {port.name: port.type for port in simulator.program.inputs}
+    return None if sheet is None else sheet.input_types
+
+
 def _simulator(
     sheet: LoadedSheet, backend: str, real: int, probes: list[str], exact: bool, findings: Findings, json: bool
 ) -> Simulator | None:
@@ -126,17 +155,20 @@ def _simulator(
         simulator = findings.attempt(lambda: sheet.simulator(backend, real=real, probes=probes, exact=exact))
     # Backend `c` says so when something else does the work.
     findings.extend(warning.message.diagnosis for warning in caught if hasattr(warning.message, "diagnosis"))
-    if simulator is not None:
-        for twin in {port.name for port in simulator.program.outputs} & set(probes):
-            findings.add(
-                Diagnosis(
-                    "E603",
-                    f"`--probe {twin}` is an output already",
-                    cause="an output and a probe of one name would share their columns",
-                    remedy="leave out this --probe",
-                )
-            )
     return simulator
+
+
+def _refuse_twins(simulator: Simulator, probes: list[str], findings: Findings) -> None:
+    """E603 for probes that are outputs."""
+    for twin in sorted({port.name for port in simulator.program.outputs} & set(probes)):
+        findings.add(
+            Diagnosis(
+                "E603",
+                f"`--probe {twin}` is an output already",
+                cause="an output and a probe of one name would share their columns",
+                remedy="leave out this --probe",
+            )
+        )
 
 
 def _check_report(report: str, recording: str, output: str) -> None:

@@ -75,8 +75,10 @@ def tell(diagnoses: Sequence[Diagnosis]) -> None:
         print(diagnosis.render(), file=sys.stderr)
 
 
-def load_sheet(name: str, settings: Sequence[str] | None, findings: Findings) -> LoadedSheet | None:
-    """Load a sheet with ``--set`` parameters and check it as far as its schedule; None after a diagnosis."""
+def load_sheet(
+    name: str, settings: Sequence[str] | None, findings: Findings, check: bool = True
+) -> LoadedSheet | None:
+    """Load a sheet with ``--set`` parameters and ``check`` it as far as its schedule; None after a diagnosis."""
     from saoflow.pipeline import load
 
     own = Findings()
@@ -84,7 +86,8 @@ def load_sheet(name: str, settings: Sequence[str] | None, findings: Findings) ->
     sheet = own.attempt(lambda: load(name))
     if sheet is not None and not own.errors:
         sheet.given = given
-        own.attempt(sheet.check)
+        if check:
+            own.attempt(sheet.check)
     findings.extend(own.found)
     return None if own.errors else sheet
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from saoflow.blocks.library import AnySymbol
 from saoflow.diagnosis import Position
 from saoflow.units import Units
 from saoflow.wires import WireType
+
+if TYPE_CHECKING:
+    from saoflow.blocks.library import AnySymbol
 
 POISON = -1
 """The wire of something that is already diagnosed: what hangs on it is not diagnosed again."""

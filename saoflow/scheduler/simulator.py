@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
-from saoflow.scheduler.interpreter import Interpreter, array_interpreter, scalar_interpreter
 from saoflow.scheduler.program import FrameProgram, ProgramPort
+
+if TYPE_CHECKING:
+    from saoflow.scheduler.interpreter import Interpreter
 
 Arrays = dict[str, np.ndarray]
 CHUNK = 4096
@@ -119,6 +121,8 @@ class Simulator:
 
     def _run_one(self, arrays: Arrays, frames: int, progress: Callable[[int], None] | None) -> Arrays:
         if self._scalar is None:
+            from saoflow.scheduler.interpreter import scalar_interpreter
+
             self._scalar = scalar_interpreter(self.program, self.exact)
         state = self._state_for(None, self._scalar)
         (frame,) = self._scalar.frames
@@ -141,6 +145,8 @@ class Simulator:
         self, arrays: Arrays, flights: int | None, frames: int, progress: Callable[[int], None] | None
     ) -> Arrays:
         if self._array is None:
+            from saoflow.scheduler.interpreter import array_interpreter
+
             self._array = array_interpreter(self.program, self.exact)
         count = 1 if flights is None else flights
         state = self._state_for(count, self._array)
