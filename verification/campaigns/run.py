@@ -51,8 +51,8 @@ def run_campaign(
     processes = cores() if workers is None else workers
     cluster = Cluster(dask) if dask is not None else None
     try:
+        found = check_campaign(campaign)
         with Store(folder, campaign.name, fingerprint(campaign)) as store:
-            found = check_campaign(campaign)
             if cluster is None:
                 _record(campaign, processes, tell)
             flown = _fly(campaign, store, processes, cluster, tell)

@@ -49,6 +49,8 @@ class Store:
         self._arrow = need_pyarrow(RESULTS)
         self._lock: IO[bytes] | None = None
         try:
+            if self.folder.exists() and not (self.folder / _MANIFEST).is_file():
+                self._refuse_strangers()
             (self.folder / _PARTS).mkdir(parents=True, exist_ok=True)
             self._hold()
             self._clean()
@@ -92,9 +94,6 @@ class Store:
         path = self.folder / _MANIFEST
         ours = {"campaign": name, "digests": fingerprint}
         if not path.exists():
-            strangers = sorted(p.name for p in self.folder.iterdir() if p.name not in (_PARTS, _LOCK))
-            if strangers or any((self.folder / _PARTS).iterdir()):
-                self._refuse("it is not empty, and no campaign of this program is in it", "")
             write_whole(path, (json.dumps(ours, indent=1, sort_keys=True) + "\n").encode())
             return
         try:
@@ -105,6 +104,14 @@ class Store:
         changed = [why for key, why in _WHAT.items() if digests.get(key) != fingerprint.get(key)]
         if changed:
             self._refuse("; ".join(changed), their_name)
+
+    def _refuse_strangers(self) -> None:
+        """A folder with anything in it that is no campaign's. What a process killed at its very start left is not."""
+        begun = {_PARTS, _LOCK}
+        strangers = {p.name for p in self.folder.iterdir() if not _LEFT_BEHIND.fullmatch(p.name)} - begun
+        parts = self.folder / _PARTS
+        if strangers or (parts.is_dir() and any(parts.iterdir())):
+            self._refuse("there are files in it, and none of them says that a campaign began here", "")
 
     def _refuse(self, cause: str, name: str) -> None:
         if self._lock is not None:
