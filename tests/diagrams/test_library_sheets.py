@@ -187,15 +187,37 @@ def cases() -> list[Case]:
 
 
 def linear_algebra() -> list[Case]:
-    """Equations with symmetric matrices, and measurements one after the other."""
+    """Equations with symmetric matrices, measurements one after the other, and a turn in the plane."""
     p4, b4, x3, c3, lambda3, p3 = covariance(4), noise(4), noise(3), noise(3), noise(3), covariance(3)
     r, z, e, per_s = noise() ** 2 + 0.1, noise(), noise(), noise() ** 2
     column = p4[:, 1:, 0] / p4[:, :1, 0]
+    a, path, forces = noise() / 5, noise() / 5, noise(3)
+    turned = np.stack([np.cos(a), np.sin(a)]), np.stack([-np.sin(a), np.cos(a)])
+    along, across = (np.einsum("ik,ki->k", row, forces[:, :2]) for row in turned)
     gain = np.einsum("kij,kj->ki", p3, c3) / (np.einsum("ki,kij,kj->k", c3, p3, c3) + r)[:, None]
     without = np.eye(3) - np.einsum("ki,kj->kij", gain, c3)
     innovation = z - np.einsum("ki,ki->k", c3, x3)
     Pc = np.einsum("kij,kj->ki", p3, c3)
     return [
+        Case(
+            "forces_along_path",
+            {
+                "A_x": forces[:, 0],
+                "A_z": forces[:, 1],
+                "gravity": forces[:, 2],
+                "sin": np.sin(a),
+                "cos": np.cos(a),
+                "path_sin": np.sin(path),
+                "path_cos": np.cos(path),
+            },
+            {
+                # The body's force turned by alpha, and gravity by the path's angle
+                "f_alpha": across + forces[:, 2] * np.cos(path),
+                "f_v": along + forces[:, 2] * np.sin(path),
+                "g_cos": forces[:, 2] * np.cos(path),
+                "g_sin": forces[:, 2] * np.sin(path),
+            },
+        ),
         Case(
             "eliminate_first",
             {"M": p4, "b": b4},

@@ -17,21 +17,37 @@ from verification.reference.mho.tuning import MhoTuning
 
 
 @dataclass(frozen=True)
+class Detection:
+    """What one frame says of the sensor."""
+
+    residual: float  # rad
+    rms: float  # rad
+    faulty: bool  # above the threshold in this frame
+    past: Array  # (N_e,): the residuals that the next frame begins with
+
+
+def detect(alpha: float, alpha_hat: float, past: Array, tuning: MhoTuning) -> Detection:
+    """Judge the reading `alpha` [rad] against the estimate; `past` (N_e,) are the residuals before, oldest first."""
+    limit = tuning.alpha_range * DEGREE
+    residual = float(alpha - alpha_hat) if -limit <= alpha <= limit else 0.0
+    window = np.append(past, residual)
+    rms = float(np.sqrt(np.mean(window**2)))
+    return Detection(residual, rms, rms > tuning.alpha_threshold, window[1:])
+
+
+@dataclass(frozen=True)
 class Judged:
     """One sensor over a run, one row a frame."""
 
     residual: Array  # (n,) rad
     rms: Array  # (n,) rad
-    faulty: Mask  # (n,): above the threshold in this frame
+    faulty: Mask  # (n,)
 
 
 def judge(recording: Mapping[str, npt.ArrayLike], alpha_hat: Array, tuning: MhoTuning) -> Judged:
     """Judge the readings `alpha` [rad] against the estimates `alpha_hat` (n,) [rad]."""
-    alpha = np.asarray(recording["alpha"], dtype=np.float64)
-    limit = tuning.alpha_range * DEGREE
-    with np.errstate(invalid="ignore"):
-        residual = np.where((-limit <= alpha) & (alpha <= limit), alpha - alpha_hat, 0.0)
-    count = tuning.n_eval + 1
-    past = np.concatenate([np.zeros(tuning.n_eval), residual])
-    rms = np.array([np.sqrt(np.mean(past[k : k + count] ** 2)) for k in range(len(residual))])
-    return Judged(residual, rms, rms > tuning.alpha_threshold)
+    past, found = np.zeros(tuning.n_eval), []
+    for alpha, estimate in zip(np.asarray(recording["alpha"], dtype=np.float64), alpha_hat, strict=True):
+        found.append(detect(float(alpha), float(estimate), past, tuning))
+        past = found[-1].past
+    return Judged(*(np.array([getattr(one, name) for one in found]) for name in ("residual", "rms", "faulty")))
