@@ -23,7 +23,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from saoflow.diagnosis import did_you_mean, refusal
-from saoflow.yaml_document import Document, Mapping, Node, Scalar, open_document
+from saoflow.diagrams.store import SheetStore
+from saoflow.yaml_document import Document, Mapping, Node, Scalar, Sequence, open_document, short
 from verification.campaigns import values
 from verification.campaigns.plan import (
     BEYOND,
@@ -107,9 +108,20 @@ def _campaign(document: Document) -> Campaign | None:
     ):
         if required not in document.root.keys:
             document.missing(document.root, required, f"every campaign has the key `{required}`", remedy)
+        elif _nothing(document, required):
+            key = document.root.keys[required]
+            document.report("E108", f"`{required}` is empty", key, "nothing stands there", remedy)
     named = _names(document, "flights")
     runs = () if runs_node is None else _run_sets(document, runs_node, named, {f.name: f for f in flights})
     return Campaign(name, doc, seed, sheets, flights, runs) if name and sheets and flights and runs else None
+
+
+def _nothing(document: Document, key: str) -> bool:
+    """Whether a key holds an empty list or mapping, or nothing at all."""
+    node = next(node for found, node in document.root.entries if found.value == key)
+    if type(node) is Scalar:
+        return node.nothing
+    return not (node.entries if type(node) is Mapping else node.items)
 
 
 def _names(document: Document, key: str) -> tuple[str, ...]:
@@ -163,8 +175,18 @@ def _variant(document: Document, node: Node) -> Variant | None:
 
 
 def _sheet_path(document: Document, node: Scalar) -> str:
-    """Whether there is such a sheet, loading it will say."""
-    return _beside(document, node.value, (".yaml", ".yml"))
+    """A path or a shipped name; what is wrong inside the sheet, loading it will say."""
+    path = _beside(document, node.value, (".yaml", ".yml"))
+    known = SheetStore().shipped
+    if path not in known and not Path(path).exists():
+        document.report(
+            "E602",
+            f"there is no sheet `{short(node.value)}`",
+            node,
+            "it is neither a path to a YAML file nor the name of a shipped sheet",
+            did_you_mean(node.value, known) or "name one with the ports of cmhe_fte",
+        )
+    return path
 
 
 def _settings(document: Document, node: Node) -> dict[str, str]:
@@ -193,9 +215,11 @@ def _flight_sets(document: Document, node: Node) -> tuple[FlightSet, ...]:
             drawn = _drawn(document, key.value, value)
             found += [drawn] if name is not None and drawn is not None else []
         else:
-            for wrong, _ in value.entries:
-                if wrong.value not in (*_DRAWN, *_RECORDED):
-                    document.unknown_key(wrong, "a set of flights", (*_DRAWN, *_RECORDED))
+            wrong = [word for word, _ in value.entries if word.value not in (*_DRAWN, *_RECORDED)]
+            for word in wrong:
+                document.unknown_key(word, "a set of flights", (*_DRAWN, *_RECORDED))
+            if wrong:
+                continue
             document.missing(value, "drawn", "flights are `drawn` or `recorded`", "add `drawn: 10` or `recorded: [NAME]`")
     return tuple(found)
 
@@ -210,6 +234,8 @@ def _recorded(document: Document, name: str, node: Mapping) -> RecordedFlights |
                     recordings += _recording(document, item)
                 else:
                     document.wrong_kind(item, "a recording", "a name or a path", "name a recording")
+            if type(value) is Sequence and not value.items:
+                document.report("E108", "`recorded` is empty", key, "a set has a flight at least", "name a recording")
         elif key.value == "part":
             part = values.number(document, value, "`part`", 5.0, 3600.0, "s")
         else:

@@ -89,8 +89,8 @@ def unknown(document: Document, node: Scalar, what: str, known: Collection[str],
         code,
         f"{what}: there is no `{short(node.value)}`",
         node,
-        f"there are {', '.join(known) or 'none'}",
-        did_you_mean(node.value, known) or "name one of them",
+        f"there are {', '.join(known)}" if known else "there are none",
+        did_you_mean(node.value, known) or "name one that is there",
     )
 
 
