@@ -12,15 +12,18 @@ from verification.reference.cstr.algorithm_1 import DampedPass, Pass
 from verification.reference.cstr.estimator import (
     ALGORITHM_1,
     ALGORITHM_1_WITHOUT,
+    ALGORITHM_2,
+    ALGORITHM_2_WITHOUT,
     Frame,
     Method,
     State,
     run,
     step,
 )
+from verification.reference.cstr.sensitivity import Update
 from verification.reference.cstr.tuning import Tuning
 from verification.verifier.case import TOLERANCE, ClosedLoop, Closeness, Compared, Expected, ReferenceCase, Values
-from verification.verifier.cstr_scenarios import reactor_scenarios
+from verification.verifier.cstr_scenarios import plausible_scenarios, reactor_scenarios
 from verification.verifier.estimator_wires import taps
 
 SIGMA_X = np.array([0.01, 0.05])
@@ -80,6 +83,8 @@ def quantities(tuning: Tuning, method: Method) -> Iterator[Quantity]:
         yield Quantity(Compared("warm start", "start.x", SIGMA_X, part="start"), lambda f: f.warm)
     for j in range(tuning.n_GN if method.noises else tuning.n_GN_first):
         yield from _pass(j) if method.noises else _damped_pass(j)
+    if method.ahead:
+        yield from _update()
     allowed = TOLERANCE if method.noises else TOLERANCE_FIRST
     yield Quantity(Compared("window", "window", SIGMA_X, allowed, part="outputs"), lambda f: f.x)
     yield Quantity(Compared("x_hat", "x_hat", SIGMA_X, allowed, part="outputs"), lambda f: f.x_hat)
@@ -116,6 +121,27 @@ def _damped_pass(j: int) -> Iterator[Quantity]:
     yield one("trial", "trial", SIGMA_X, lambda p: p.trial)
 
 
+def _update() -> Iterator[Quantity]:
+    """Steps 2 and 3 of Algorithm 2."""
+
+    def one(name: str, wire: str, sigma: Array | float, of: Callable[[Update], Array | float]) -> Quantity:
+        return Quantity(Compared(name, f"ahead.{wire}", sigma, part="one step ahead"), lambda f: of(_updated(f)))
+
+    yield one("reference", "reference", SIGMA_X, lambda u: u.reference)
+    yield one("gradient left", "stationary", SIGMA_GRADIENT, lambda u: u.stationary)
+    yield one("second order", "second_order", 1.0, lambda u: float(u.second_order))
+    yield one("x^u", "updated", SIGMA_X, lambda u: u.updated)
+    yield one("cost of the reference", "J_reference", 1.0, lambda u: u.J_reference)
+    yield one("cost of x^u", "J_updated", 1.0, lambda u: u.J_updated)
+    yield one("accepted", "accepted", 1.0, lambda u: float(u.accepted))
+    yield one("x^+", "x", SIGMA_X, lambda u: u.x)
+
+
+def _updated(frame: Frame) -> Update:
+    assert frame.update is not None
+    return frame.update
+
+
 def _noises(found: Pass | DampedPass) -> Pass:
     assert isinstance(found, Pass)
     return found
@@ -142,7 +168,7 @@ def reactor_case(sheet: str, tuning: Tuning, method: Method) -> ReferenceCase:
 
     return ReferenceCase(
         sheet,
-        reactor_scenarios,
+        reactor_scenarios if method.noises else plausible_scenarios,
         tuple(wire for wires in wires_of(tuning, method).values() for wire in wires),
         expect,
         tuple(q.compared for q in all_quantities),
@@ -160,3 +186,6 @@ cstr_mhe = reactor_case("cstr_mhe", Tuning(), ALGORITHM_1)
 
 cstr_mhe_no_est = reactor_case("cstr_mhe_no_est", Tuning(), ALGORITHM_1_WITHOUT)
 """Algorithm 1 without estimated noises."""
+
+cstr_ahead = reactor_case("cstr_ahead", Tuning(), ALGORITHM_2)
+"""Algorithm 2."""
