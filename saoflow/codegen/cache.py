@@ -10,6 +10,8 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import platform
+import re
 import tempfile
 import time
 from dataclasses import dataclass
@@ -21,7 +23,7 @@ _SEAL = len(_MARK) + 32
 MOST_FILES = 400
 """The oldest of more files are removed."""
 ABANDONED = 86400.0
-"""Seconds after which a file of a killed process is removed."""
+"""Seconds after which what another machine's process left is removed; this machine's is when its process is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +48,7 @@ class Folder:
 
     def write(self, name: str, content: bytes) -> Path:
         """Put a file in its place, whole. Raises OSError."""
-        handle, temporary = tempfile.mkstemp(prefix="part-", dir=self.path)
+        handle, temporary = tempfile.mkstemp(prefix=part_prefix(), dir=self.path)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content + _MARK + hashlib.sha256(content).digest())
@@ -65,12 +67,31 @@ class Folder:
                 with contextlib.suppress(OSError):
                     age = path.stat().st_mtime
                     if path.name.startswith("part-"):
-                        if time.time() - age > ABANDONED:
+                        if time.time() - age > ABANDONED or _is_orphan(path.name):
                             _remove(path)
                     else:
                         kept.append((age, path))
         for _, path in sorted(kept)[: max(0, len(kept) - MOST_FILES)]:
             _remove(path)
+
+
+def part_prefix() -> str:
+    """How the names of files begin that are not whole yet: with the machine and the process that make them."""
+    return f"part-{platform.node().replace(os.sep, '_')}-{os.getpid()}-"
+
+
+def _is_orphan(name: str) -> bool:
+    """Whether the process that made a part, on this machine, is gone."""
+    owner = re.fullmatch(r"part-(.*)-(\d+)-[^-]*", name)
+    if os.name != "posix" or owner is None or owner[1] != platform.node().replace(os.sep, "_"):
+        return False
+    try:
+        os.kill(int(owner[2]), 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):
+        pass
+    return False
 
 
 def cache_folder() -> Folder:
@@ -87,7 +108,7 @@ def _folder(base: str) -> Folder:
         status = path.stat()
         if hasattr(os, "getuid") and (status.st_uid != os.getuid() or status.st_mode & 0o022):
             return Folder(_temporary(), f"others may write to {path}")
-        handle, probe = tempfile.mkstemp(prefix="part-", dir=path)
+        handle, probe = tempfile.mkstemp(prefix=part_prefix(), dir=path)
         os.close(handle)
         os.unlink(probe)
     except OSError as error:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from saoflow.codegen.cache import Folder
+from saoflow.codegen.cache import Folder, part_prefix
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 
 STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")
@@ -100,7 +100,7 @@ def compiled(text: str, compiler: Compiler, folder: Folder) -> Path:
         return folder.path / name
     folder.tidy()
     try:
-        with tempfile.TemporaryDirectory(prefix="part-", dir=folder.path) as work, _told(compiler):
+        with tempfile.TemporaryDirectory(prefix=part_prefix(), dir=folder.path) as work, _told(compiler):
             source, target = Path(work) / "frame.c", Path(work) / "frame.so"
             source.write_text(text, encoding="ascii")
             _call([*compiler.command, *compiler.flags, str(source), "-o", str(target)], compiler)
@@ -114,12 +114,17 @@ def compiled(text: str, compiler: Compiler, folder: Folder) -> Path:
 
 
 def _call(command: Sequence[str], compiler: Compiler) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL)
+    # The compiler's own temporary files go beside the source: a compile that is killed leaves one folder, not more.
+    place = {**os.environ, "TMPDIR": os.path.dirname(command[-1])}
+    done = subprocess.run(
+        command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL, env=place
+    )
     if done.returncode:
+        ended = f"ends with exit code {done.returncode}" if done.returncode > 0 else f"is killed by signal {-done.returncode}"
         said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
         raise _failed(
             compiler,
-            "; ".join(said) or f"it ends with exit code {done.returncode} and says nothing",
+            "; ".join(said) or f"it {ended} and says nothing",
             "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`",
         )
 

@@ -17,7 +17,7 @@ from saoflow.codegen.compiler import register_bytes
 from saoflow.codegen.interface import ENTRY
 from saoflow.codegen.objects import Objects
 from saoflow.codegen.stack import stack_bound
-from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.diagnosis import Diagnosis, DiagnosisError, refusal
 from saoflow.scheduler.program import FrameProgram, ProgramPort
 from saoflow.scheduler.simulator import Arrays, Simulator, State, one_or_batch
 
@@ -208,7 +208,16 @@ def _with_stack(needed: int, work: Callable[[], None]) -> None:
 
 
 def _runner(objects: Objects, lanes: int) -> Runner:
-    library = ctypes.CDLL(str(objects.path(lanes)))
+    path = objects.path(lanes)
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise refusal(
+            "E607",
+            "the compiled frame cannot be loaded",
+            cause=str(error),
+            remedy="set XDG_CACHE_HOME to a folder from which programs may be loaded, or use backend `interpreter`",
+        ) from None
     function = getattr(library, ENTRY)
     function.argtypes = [ctypes.c_void_p] * 6
     function.restype = None

@@ -102,6 +102,12 @@ def objects_of(sheet: ProgramSource, real: int, probes: Collection[str], compile
     kept, folder, key = _kept(sheet, real, probes)
     if kept is not None:
         return Objects(kept, compiler, folder, key)
+    if folder.problem:
+        warn_once(
+            "compiled code is not kept",
+            f"the cache folder cannot be used: {folder.problem}",
+            "set XDG_CACHE_HOME to a folder of your own",
+        )
     sheet.budget().raise_if_over()
     program = sheet.program(real, probes) if real != 64 or probes else sheet.frame_program
     if key:
@@ -118,12 +124,6 @@ def kept_objects(sheet: ProgramSource, real: int, probes: Collection[str], compi
 def _kept(sheet: ProgramSource, real: int, probes: Collection[str]) -> tuple[FrameProgram | None, Folder, str]:
     """The program if it is kept, where that is, and what finds it there. A program over its budget is not kept."""
     folder = cache_folder()
-    if folder.problem:
-        warn_once(
-            "compiled code is not kept",
-            f"the cache folder cannot be used: {folder.problem}",
-            "set XDG_CACHE_HOME to a folder of your own",
-        )
     key = "" if folder.problem else _key(sheet, real, probes)
     found = folder.read(f"{key}.program") if key else None
     if found is None:

@@ -116,9 +116,7 @@ def _kept(sheet: LoadedSheet, real: int, probes: list[str]) -> Simulator | None:
     """Compiled frames of a sheet that was right before: a sheet that has not changed is not elaborated."""
     from saoflow.codegen.backend import kept_simulator
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a cache that cannot be used is told by the simulator that is made then
-        return kept_simulator(sheet, real, probes)
+    return kept_simulator(sheet, real, probes)
 
 
 def _checked(sheet: LoadedSheet, findings: Findings) -> LoadedSheet | None:
