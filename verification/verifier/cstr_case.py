@@ -32,6 +32,9 @@ SIGMA_X = np.array([0.01, 0.05])
 SIGMA_GRADIENT = 1e3
 """Scale of the gradient of J/2: what the cost makes of a hundredth of a state."""
 
+SIGMA_GRADIENT_FIRST = 1e5
+"""The same without noises, where the Hessian reaches 1e9."""
+
 TABLES = 1e-3
 """How far the table may move an estimate in closed loop."""
 
@@ -84,7 +87,7 @@ def quantities(tuning: Tuning, method: Method) -> Iterator[Quantity]:
     for j in range(tuning.n_GN if method.noises else tuning.n_GN_first):
         yield from _pass(j) if method.noises else _damped_pass(j)
     if method.ahead:
-        yield from _update()
+        yield from _update(method)
     allowed = TOLERANCE if method.noises else TOLERANCE_FIRST
     yield Quantity(Compared("window", "window", SIGMA_X, allowed, part="outputs"), lambda f: f.x)
     yield Quantity(Compared("x_hat", "x_hat", SIGMA_X, allowed, part="outputs"), lambda f: f.x_hat)
@@ -116,19 +119,22 @@ def _damped_pass(j: int) -> Iterator[Quantity]:
 
     yield one("cost", "cost.J", 1.0, lambda p: p.at.J)
     yield one("better", "better", 1.0, lambda p: float(p.better))
-    yield one("gradient of the best", "gradient", SIGMA_GRADIENT, lambda p: p.best.gradient)
+    yield one("gradient of the best", "gradient", SIGMA_GRADIENT_FIRST, lambda p: p.best.gradient)
     yield one("free components", "free", 1.0, lambda p: np.where(p.hold, 0.0, 1.0))
     yield one("trial", "trial", SIGMA_X, lambda p: p.trial)
 
 
-def _update() -> Iterator[Quantity]:
+def _update(method: Method) -> Iterator[Quantity]:
     """Steps 2 and 3 of Algorithm 2."""
 
     def one(name: str, wire: str, sigma: Array | float, of: Callable[[Update], Array | float]) -> Quantity:
-        return Quantity(Compared(name, f"ahead.{wire}", sigma, part="one step ahead"), lambda f: of(_updated(f)))
+        compared = Compared(name, f"ahead.{wire}", sigma, allowed, part="one step ahead")
+        return Quantity(compared, lambda f: of(_updated(f)))
+
+    allowed, slope = (TOLERANCE, SIGMA_GRADIENT) if method.noises else (TOLERANCE_FIRST, SIGMA_GRADIENT_FIRST)
 
     yield one("reference", "reference", SIGMA_X, lambda u: u.reference)
-    yield one("gradient left", "stationary", SIGMA_GRADIENT, lambda u: u.stationary)
+    yield one("gradient left", "stationary", slope, lambda u: u.stationary)
     yield one("second order", "second_order", 1.0, lambda u: float(u.second_order))
     yield one("x^u", "updated", SIGMA_X, lambda u: u.updated)
     yield one("cost of the reference", "J_reference", 1.0, lambda u: u.J_reference)
@@ -189,3 +195,6 @@ cstr_mhe_no_est = reactor_case("cstr_mhe_no_est", Tuning(), ALGORITHM_1_WITHOUT)
 
 cstr_ahead = reactor_case("cstr_ahead", Tuning(), ALGORITHM_2)
 """Algorithm 2."""
+
+cstr_ahead_no_est = reactor_case("cstr_ahead_no_est", Tuning(), ALGORITHM_2_WITHOUT)
+"""Algorithm 2 without estimated noises."""

@@ -63,7 +63,8 @@ def update_first(last: Array, given: Information, tuning: Tuning, sign: float = 
     updated = trajectory(moved, given.u, tuning)
     stationary = free_gradient(at.gradient, hold)
     curvature = float(np.linalg.eigvalsh(reduced(at.hessian, hold))[0])
-    costs = shooting_cost(first, given, tuning), shooting_cost(moved, given, tuning)
+    missed = tuning.R * (given.y[-1] - y_bar) ** 2  # the reference's last innovation is zero with y_bar
+    costs = at.J + float(missed), shooting_cost(moved, given, tuning)
     return _judge(reference, hold, stationary, curvature, updated, costs, tuning)
 
 
