@@ -15,63 +15,9 @@ from functools import lru_cache
 from typing import Any
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
+from saoflow.unit_names import DIMENSIONLESS_NAMES, KNOWN, SYNONYMS, pint_name, registry
 
 Powers = tuple[tuple[str, Fraction], ...]
-
-_KNOWN = {
-    # name here: name in pint
-    "m": "meter",
-    "km": "kilometer",
-    "cm": "centimeter",
-    "mm": "millimeter",
-    "ft": "foot",
-    "inch": "inch",
-    "NM": "nautical_mile",
-    "s": "second",
-    "ms": "millisecond",
-    "us": "microsecond",
-    "min": "minute",
-    "h": "hour",
-    "kg": "kilogram",
-    "lb": "pound",
-    "slug": "slug",
-    "K": "kelvin",
-    "degC": "delta_degree_Celsius",
-    "degF": "delta_degree_Fahrenheit",
-    "Pa": "pascal",
-    "hPa": "hectopascal",
-    "kPa": "kilopascal",
-    "mbar": "millibar",
-    "bar": "bar",
-    "psi": "pound_force_per_square_inch",
-    "N": "newton",
-    "kN": "kilonewton",
-    "lbf": "pound_force",
-    "J": "joule",
-    "W": "watt",
-    "A": "ampere",
-    "V": "volt",
-    "Hz": "hertz",
-    "kt": "knot",
-    "deg": "degree",
-    "%": "percent",
-    "g0": "standard_gravity",
-}
-_DIMENSIONLESS_NAMES = frozenset({"rad", "radian", "radians"})
-_SYNONYMS = {
-    **{name: name for name in _KNOWN},
-    "meter": "m", "meters": "m", "metre": "m", "metres": "m", "kilometer": "km", "kilometre": "km",
-    "foot": "ft", "feet": "ft", "inches": "inch", "nmi": "NM", "nautical_mile": "NM",
-    "second": "s", "seconds": "s", "sec": "s", "millisecond": "ms", "milliseconds": "ms", "microsecond": "us",
-    "minute": "min", "minutes": "min", "hour": "h", "hours": "h",
-    "kilogram": "kg", "kilograms": "kg", "pound": "lb", "kelvin": "K",
-    "celsius": "degC", "degree_Celsius": "degC", "degree_Fahrenheit": "degF",
-    "pascal": "Pa", "pascals": "Pa", "millibar": "mbar", "newton": "N", "newtons": "N", "pound_force": "lbf",
-    "joule": "J", "watt": "W", "ampere": "A", "volt": "V", "hertz": "Hz",
-    "knot": "kt", "knots": "kt", "kts": "kt", "kn": "kt", "degree": "deg", "degrees": "deg", "°": "deg",
-    "percent": "%", "standard_gravity": "g0", "g_0": "g0",
-}  # fmt: skip
-
 
 class Unit:
     """A product of powers of unit names. Interned: equal units are one object, so that comparing is ``is``.
@@ -343,11 +289,11 @@ class _UnitParser:
 
 def _named(word: str, offset: int) -> Unit:
     """The unit of one name; asks pint for what is not in the small set. Raises _Failure."""
-    if word in _DIMENSIONLESS_NAMES:
+    if word in DIMENSIONLESS_NAMES:
         return DIMENSIONLESS
-    name = _SYNONYMS.get(word) or _pint_name(word)
+    name = SYNONYMS.get(word) or pint_name(word)
     if name is None:
-        near = did_you_mean(word, [*_SYNONYMS, "rad"])
+        near = did_you_mean(word, [*SYNONYMS, "rad"])
         raise _Failure(
             f"unknown unit `{word}`",
             offset,
@@ -355,35 +301,7 @@ def _named(word: str, offset: int) -> Unit:
             "neither saoflow nor pint knows a unit of this name",
             near or "correct the name; a plain number has the unit 1",
         )
-    return DIMENSIONLESS if name in _DIMENSIONLESS_NAMES else Unit(((name, Fraction(1)),))
-
-
-@lru_cache(maxsize=1)
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry()
-
-
-def _pint_name(word: str) -> str | None:
-    """The canonical name of a unit that pint knows (``lbs`` is ``lb``), or None."""
-    registry = _registry()
-    try:
-        if word not in registry:
-            return None
-        unit = registry.Unit(word)
-        long = str(unit)
-        short = f"{unit:~}"
-    except Exception:  # pint raises many kinds for words that are no units; to us they mean the same
-        return None
-    for name in (long, short):
-        if name in _DIMENSIONLESS_NAMES:
-            return name
-        if name in _SYNONYMS and registry.Unit(_KNOWN[_SYNONYMS[name]]) == unit:
-            return _SYNONYMS[name]
-    if short.isidentifier() and short not in _SYNONYMS and registry.Unit(short) == unit:
-        return short
-    return long if long.isidentifier() else None
+    return DIMENSIONLESS if name in DIMENSIONLESS_NAMES else Unit(((name, Fraction(1)),))
 
 
 # ---------------------------------------------------------------- hints for messages
@@ -394,7 +312,7 @@ def conversion_hint(a: Unit, b: Unit) -> str:
     if a is b:
         return f"both are {a}"
     try:
-        one = _registry().Quantity(1.0, pint_unit(a))
+        one = registry().Quantity(1.0, pint_unit(a))
         other = pint_unit(b)
         if one.dimensionality != other.dimensionality:
             return f"{_spoken(a)} and {_spoken(b)} measure different things"
@@ -418,9 +336,9 @@ def _spoken(unit: Unit) -> str:
 
 def pint_unit(unit: Unit) -> Any:
     """The unit in pint, which is imported only now."""
-    registry = _registry()
-    result = registry.Unit("")
+    known = registry()
+    result = known.Unit("")
     for name, power in unit.powers:
         exponent = power.numerator if power.denominator == 1 else float(power)
-        result = result * registry.Unit(_KNOWN.get(name, name)) ** exponent
+        result = result * known.Unit(KNOWN.get(name, name)) ** exponent
     return result
