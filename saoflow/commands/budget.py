@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +19,9 @@ from saoflow.commands.shell import (
     tell,
 )
 from saoflow.diagnosis import Diagnosis
+
+if TYPE_CHECKING:
+    from saoflow.pipeline import LoadedSheet
 
 
 def budget(
@@ -37,6 +40,9 @@ def budget(
     share: Annotated[
         float | None,
         typer.Option("--share", metavar="PART", help="Part of the frame allowed, 0 to 1.", show_default=False),
+    ] = None,
+    report_file: Annotated[
+        str | None, typer.Option("--report", metavar="FILE", help="Write a page with a picture, too.", show_default=False)
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Show small parts one by one, too.")] = False,
     json: Json = False,
@@ -76,6 +82,8 @@ def budget(
             raise typer.Exit(BAD_INPUT)
         findings.attempt(cost.raise_if_over)
     findings.attempt(report.raise_if_over)
+    if report_file is not None and sheet is not None:
+        _write_report(sheet, report_file, findings, json)
     if json:
         facts = report.to_dict()
         finish(findings.found, json, facts if cost is None else {**facts, "target": cost.to_dict()})
@@ -88,3 +96,15 @@ def budget(
     tell(findings.found)
     if report.over or (cost is not None and cost.over):
         raise typer.Exit(exit_code(findings.found))
+
+
+def _write_report(sheet: LoadedSheet, file: str, findings: Findings, json: bool) -> None:
+    """Write the page; a frame over its budget is shown too."""
+    from saoflow.report import report_of_budget, write_report
+
+    own = Findings()
+    own.attempt(lambda: write_report(file, report_of_budget(sheet)))
+    findings.extend(own.found)
+    if own.errors:
+        finish(findings.found, json)
+        raise typer.Exit(BAD_INPUT)

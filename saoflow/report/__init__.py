@@ -9,7 +9,7 @@ write_report("report.html", report_of_run(sheet, inputs, outputs, time))
 """
 
 from saoflow.report.contents import Difference, Fact, Limits, Mark, Report, RunShown, TextTable
-from saoflow.report.page import limits_of, render_report, report_of_run, write_report
+from saoflow.report.page import limits_of, render_report, report_of_budget, report_of_run, write_report
 
 __all__ = [
     "Difference",
@@ -21,6 +21,7 @@ __all__ = [
     "TextTable",
     "limits_of",
     "render_report",
+    "report_of_budget",
     "report_of_run",
     "write_report",
 ]

@@ -11,9 +11,10 @@ import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.operations import COUNTED_KINDS
-from saoflow.report.contents import Array, Arrays, Limits, Report, RunShown, TextTable
+from saoflow.report.contents import Array, Arrays, Fact, Limits, Report, RunShown, TextTable
 from saoflow.report.estimator import Shown, estimator_plots
-from saoflow.report.others import difference_plots, draw_budget, output_plots
+from saoflow.report.icicle import draw_icicle
+from saoflow.report.others import difference_plots, output_plots
 from saoflow.report.panels import draw
 from saoflow.report.style import css_colours, style, svg
 from saoflow.whole_file import write_whole
@@ -48,6 +49,17 @@ def report_of_run(sheet: LoadedSheet, inputs: Arrays, outputs: Arrays, time: Arr
         limits=limits_of(sheet),
         budget=budget,
     )
+
+
+def report_of_budget(sheet: LoadedSheet) -> Report:
+    """The report of a sheet's budget alone: what a frame costs, and where."""
+    budget = sheet.budget()
+    limit = next((line.limit for line in budget.lines if line.kind == "operations"), None)
+    space = "\N{NARROW NO-BREAK SPACE}"
+    allowed = "" if limit is None else f" of {limit:,.0f} allowed".replace(",", space)
+    text = f"{budget.total:,} operations a frame{allowed}".replace(",", space)
+    fact = Fact(f"budget {sheet.name}", text, None if limit is None else not budget.over)
+    return Report(title=f"{sheet.name}: the budget of a frame", time=np.zeros(0), runs=(), facts=(fact,), budget=budget)
 
 
 def limits_of(sheet: LoadedSheet) -> Limits:
@@ -100,6 +112,8 @@ def write_report(path: str | os.PathLike[str], report: Report, progress: Callabl
 
 def _drawn(report: Report, progress: Callable[[float], None]) -> list[tuple[Shown, str]]:
     """The plots in the order of the page, each with its SVG; the budget's has no plot of its own."""
+    if not report.runs:
+        return []
     shown = estimator_plots(report) if all(run.is_estimator for run in report.runs) else output_plots(report)
     shown += difference_plots(report)
     drawn: list[tuple[Shown, str]] = []
@@ -115,7 +129,7 @@ def _budget_svg(report: Report) -> str:
     if report.budget is None:
         return ""
     with style("budget"):
-        return svg(draw_budget(report.budget), "budget", "The budget of a frame")
+        return svg(draw_icicle(report.budget), "budget", "The budget of a frame")
 
 
 def _kinds(report: Report) -> TextTable | None:

@@ -42,7 +42,7 @@ def connected_by_netlist(sheet: saoflow.LoadedSheet) -> set[tuple[str, str]]:
 
 def _is_port_or_wiring(name: str, graph: nx.MultiDiGraph) -> bool:
     node = graph.nodes[name]
-    return "#" in name.rpartition(".")[2] or node["symbol"] == "select" and name in _PORTS
+    return "#" in name.rpartition(".")[2] or (node["symbol"] == "select" and name in _PORTS)
 
 
 _PORTS: set[str] = set()

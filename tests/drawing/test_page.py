@@ -72,7 +72,7 @@ def test_walk_to_the_riccati_stage_pin_a_wire_and_scrub_to_the_fault(
         page.wait_for_function("n => saoView.here().name === n && document.querySelector('#busy').hidden", arg=name)
     assert page.evaluate("location.hash") in ("#step3.ip[2].stages[1].measured", "#step3.ip%5B2%5D.stages%5B1%5D.measured")
     assert page.inner_text("#crumbs").replace("\n", " ").split() == (
-        "cmhe_fte › step3 › ip ▤ › ip[2] › stages ▤ › stages[1] › measured".split()
+        ["cmhe_fte", "›", "step3", "›", "ip", "▤", "›", "ip[2]", "›", "stages", "▤", "›", "stages[1]", "›", "measured"]
     )
     page.locator("[data-block]").filter(has_text=re.compile("^.*K.*$")).first.wait_for()
     number = page.evaluate("saoView.here().drawing.blocks.findIndex((b) => b.n === 'K')")

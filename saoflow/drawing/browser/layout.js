@@ -80,7 +80,7 @@ SAO.graph = function (drawing, types, values) {
       "elk.algorithm": "layered", "elk.direction": "RIGHT", "elk.edgeRouting": "ORTHOGONAL",
       "elk.portLabels.placement": "OUTSIDE NEXT_TO_PORT_IF_POSSIBLE", "elk.portLabels.nextToPortIfPossible": "true",
       "elk.layered.cycleBreaking.strategy": "MODEL_ORDER",
-      "elk.layered.nodePlacement.strategy": many ? "BRANDES_KOEPF" : "NETWORK_SIMPLEX",
+      "elk.layered.nodePlacement.strategy": huge ? "SIMPLE" : many ? "BRANDES_KOEPF" : "NETWORK_SIMPLEX",
       "elk.layered.nodePlacement.bk.fixedAlignment": "BALANCED",
       "elk.layered.thoroughness": huge ? "1" : many ? "3" : "12",
       "elk.layered.crossingMinimization.greedySwitch.type": huge ? "OFF" : "TWO_SIDED",

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 import saoflow
+from saoflow.cli import run
 from saoflow.report import limits_of, render_report, report_of_run, write_report
-from saoflow.report.others import budget_rows
+from saoflow.report.icicle import slabs
 from saoflow.report.panels import spread
 from saoflow.report.style import DARK, LIGHT
 from saoflow.scheduler.counts import CountTree
@@ -189,30 +190,35 @@ def test_text_is_escaped(result: DemoResult) -> None:
     assert "<h1>&lt;b&gt;&amp;</h1>" in render_report(report)
 
 
-def test_budget_rows_add_up(result: DemoResult) -> None:
+def test_slabs_of_the_budget_add_up_and_stand_below_what_they_are_part_of(result: DemoResult) -> None:
     tree = result.cmhe.budget.tree
-    rows = budget_rows(tree)
-    assert sum(row.operations for row in rows if row.level == 0) == tree.total
-    for i, row in enumerate(rows):
-        below = []
-        for other in rows[i + 1 :]:
-            if other.level <= row.level:
-                break
-            if other.level == row.level + 1:
-                below.append(other.operations)
-        assert not below or sum(below) <= row.operations
+    shown = slabs(tree)
+    for level in range(1, 4):
+        for slab in (s for s in shown if s.level == level):
+            above = [s for s in shown if s.level == level - 1 and s.start <= slab.start]
+            assert any(slab.start + slab.operations <= s.start + s.operations for s in above)
+        edges = sorted((s.start, s.start + s.operations) for s in shown if s.level == level)
+        assert all(end <= start for (_, end), (start, _) in pairwise(edges))
+    assert sum(s.operations for s in shown if s.level == 1) == tree.total
     step3 = tree.parts["step3"]
-    assert next(row for row in rows if row.name == "step3").operations == step3.total
+    assert next(s for s in shown if s.name == "step3").operations == step3.total
     ip = sum(part.total for name, part in step3.parts.items() if name.startswith("ip["))
-    assert next(row for row in rows if row.name == "ip[0..3]").operations == ip
+    assert next(s for s in shown if s.name == "ip[0..3]").operations == ip
 
 
-def test_budget_rows_by_hand() -> None:
+def test_slabs_by_hand() -> None:
     tree = CountTree("s")
     for path, count in ((("a", "x[0]"), 30), (("a", "x[1]"), 20), (("a", "y"), 40), (("b",), 9), (("c",), 1)):
         tree.add(path, CountTree("").kinds.__class__({"add": count}))
-    rows = [(row.name, row.level, row.operations) for row in budget_rows(tree, depth=2, least=0.05)]
-    assert rows == [("a", 0, 90), ("x[0..1]", 1, 50), ("y", 1, 40), ("b", 0, 9), ("c", 0, 1)]
+    found = [(s.name, s.level, s.start, s.operations) for s in slabs(tree, depth=2, least=0.05)]
+    assert found == [
+        ("s", 0, 0, 100),
+        ("a", 1, 0, 90),
+        ("x[0..1]", 2, 0, 50),
+        ("y", 2, 50, 40),
+        ("b", 1, 90, 9),
+        ("1 smaller", 1, 99, 1),
+    ]
 
 
 def test_labels_keep_their_distance() -> None:
@@ -220,3 +226,14 @@ def test_labels_keep_their_distance() -> None:
     assert all(b - a >= 10.5 - 1e-3 for a, b in pairwise(placed))
     assert placed[3] == pytest.approx(60.0)
     assert spread([0.0, 50.0]) == [0.0, 50.0]
+
+
+def test_the_page_of_a_budget(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "budget.html"
+    assert run(["budget", "cmhe_fte", "--report", str(page)]) == 0
+    text = page.read_text()
+    assert "step3" in text and "2\N{NARROW NO-BREAK SPACE}752 free" in text and 'class="holds"' in text
+    assert run(["budget", "cmhe_fte", "--set", "N=5", "--report", str(page)]) == 1
+    assert 'class="fails"' in page.read_text()
+    assert run(["budget", "cmhe_fte", "--report", str(tmp_path / "no" / "b.html")]) == 2
+    assert "E601" in capsys.readouterr().err
