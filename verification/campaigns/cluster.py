@@ -46,7 +46,7 @@ class Cluster:
         distributed = _distributed()
         source = iter(items)
         pending: dict[Any, T] = {}
-        arrived = distributed.as_completed([])
+        arrived = distributed.as_completed([], loop=self._client.loop)
         try:
             while True:
                 while len(pending) < AHEAD * self.threads:
