@@ -12,7 +12,7 @@ from saoflow.scheduler.program import FrameProgram, ProgramBody
 from saoflow.targets.early_schedule import scheduled_early
 from saoflow.targets.instructions import Instruction, Machine
 from saoflow.targets.memory_form import memory_form
-from saoflow.targets.peephole import call_counts, inlined
+from saoflow.targets.peephole import call_counts, inlined, shared
 from saoflow.targets.pipeline import cycles
 from saoflow.targets.register_form import register_form
 from saoflow.targets.scheduling import scheduled
@@ -183,7 +183,7 @@ def _form(
         if not times:
             continue
         if optimised:
-            body = scheduled_early(body, target, program.real, i < procedures)
+            body = scheduled_early(shared(body), target, program.real, i < procedures)
         instructions = former(body, program.tables, isa, i < procedures)
         for kind, n in Counter(x.kind for x in instructions).items():
             kinds[kind] += n * times

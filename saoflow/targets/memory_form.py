@@ -11,6 +11,9 @@ from saoflow.targets.operation_form import emit_operation
 from saoflow.targets.peephole import is_doubling, is_negation
 from saoflow.targets.target import InstructionSet
 
+POINTER_REACH = 256
+"""Bytes below the frame's head that a load of a pointer reaches (Thumb-2: an 8-bit negative offset)."""
+
 
 def memory_form(body: ProgramBody, tables: Sequence[Table], isa: InstructionSet, procedure: bool) -> list[Instruction]:
     """The instructions of a body; ``procedure``: it is called, with parameters in registers and on the stack."""
@@ -23,8 +26,10 @@ class _Memory:
         self.shares = isa.shares["memory"]
         self.stream = Stream()
         frame = 8.0 * max(1, body.value_count)
-        self.far = sum(max(0.0, 1.0 - reach / frame) for reach in isa.reach)
+        self.far = self.shares.far * sum(max(0.0, 1.0 - reach / frame) for reach in isa.reach)
         """Instructions that form the address of a value on the stack, on average."""
+        self.pointer = self.shares.pointer if frame > POINTER_REACH else 0.0
+        """The same for a pointer: parameters lie at the far end of the frame."""
         self.stored: dict[Atom, int] = {}
         """What was stored: the number of the instruction's result, so that a load of it waits for the store."""
 
@@ -107,11 +112,13 @@ class _Memory:
 
     def _load_at(self, a: Atom) -> int:
         """A load through a pointer that lies in memory too."""
+        self.stream.emit_share(Machine.INTEGER, self.pointer)
         pointer = self.stream.emit(Machine.INTEGER_LOAD)
         return self.stream.emit(Machine.INTEGER_LOAD if self._boolean(a) else Machine.LOAD, pointer)
 
     def _store_at(self, a: Atom, offset: bool = False) -> None:
         """A store through a pointer that lies in memory too, ``offset``: to be added to first."""
+        self.stream.emit_share(Machine.INTEGER, self.pointer)
         pointer = self.stream.emit(Machine.INTEGER_LOAD)
         if offset:
             pointer = self.stream.emit(Machine.INTEGER, pointer)

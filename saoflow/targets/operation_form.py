@@ -56,7 +56,8 @@ def emit_operation(
             return stream.emit_share(Machine.MOVE if rest is Machine.INTEGER else rest, shares.minimum - 2, taken)
         case Kind.LESS | Kind.LESS_EQUAL:
             flag = stream.emit(Machine.COMPARE, *operands)
-            return stream.emit_share(rest, shares.compare - 1, flag)
+            extra = shares.or_equal if operation.kind is Kind.LESS_EQUAL else 0.0
+            return stream.emit_share(rest, shares.compare - 1 + extra, flag)
         case Kind.AND | Kind.OR | Kind.NOT:
             return stream.emit_share(rest, shares.logic, *operands)
         case Kind.SELECT:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from saoflow.operations import MINUS_ONE, Atom, Kind, Literal
 from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody
@@ -62,6 +63,25 @@ def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], sites: Counter
     return ProgramBody(body.name, body.parameters, tuple(operations), results, tuple(booleans), body.origins)
 
 
+def shared(body: ProgramBody) -> ProgramBody:
+    """The body with operations left out that repeat an earlier one: the same kind on the same operands."""
+    names: dict[Atom, Atom] = {}
+    made: dict[tuple[Kind, int, tuple[Atom, ...]], tuple[int, ...]] = {}
+    operations: list[Operation] = []
+    for o in body.operations:
+        operands = tuple(names.get(a, a) for a in o.operands)
+        key = (o.kind, o.detail, operands)
+        if o.kind in (Kind.ADD, Kind.MULTIPLY):
+            key = (o.kind, o.detail, tuple(sorted(operands, key=repr)))
+        if o.kind not in (Kind.READ, Kind.WRITE, Kind.CALL):
+            first = made.setdefault(key, o.results)
+            if first is not o.results:
+                names.update(zip(o.results, first, strict=True))
+                continue
+        operations.append(o if operands == o.operands else replace(o, operands=operands))
+    return replace(body, operations=tuple(operations), results=tuple(names.get(r, r) for r in body.results))
+
+
 def folded_negations(body: ProgramBody) -> frozenset[int]:
     """Results of ``-1 * a`` that only sums and differences of two reals read: each is folded into its readers."""
     readers: dict[int, list[Kind]] = {}
@@ -95,6 +115,14 @@ def chained_products(body: ProgramBody) -> dict[int, Operation]:
                     found[o.results[0]] = products[a]
                     break
     return found
+
+
+def flags(body: ProgramBody) -> frozenset[Atom]:
+    """Results of comparisons that selections alone read, as their conditions: branched on, never a value."""
+    found: set[Atom] = {r for o in body.operations if o.kind in (Kind.LESS, Kind.LESS_EQUAL) for r in o.results}
+    for o in body.operations:
+        found.difference_update(o.operands if o.kind is not Kind.SELECT else ())
+    return frozenset(found.difference(body.results))
 
 
 def is_negation(operation: Operation) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 
 from saoflow.targets.instructions import Instruction, Machine
@@ -29,6 +28,8 @@ def scheduled(instructions: Sequence[Instruction], target: Target, real: int) ->
 def block_order(block: Sequence[Instruction], target: Target, real: int, window: int) -> list[int]:
     """Cycle by cycle: of what is ready and within the window, what has the longest way to go; places in the block."""
     timings = {kind: target.timing(kind, real) for kind in target.kinds()}
+    taken = [timings[instruction.kind] for instruction in block]
+    units = [timing.unit for timing in taken]
     width = target.issue_width
     writer = {instruction.write: k for k, instruction in enumerate(block)}
     after: list[list[int]] = [[] for _ in block]
@@ -40,40 +41,29 @@ def block_order(block: Sequence[Instruction], target: Target, real: int, window:
                 waits[k] += 1
     height = [0] * len(block)
     for k in range(len(block) - 1, -1, -1):
-        height[k] = timings[block[k].kind].latency + max((height[j] for j in after[k]), default=0)
+        height[k] = taken[k].latency + max((height[j] for j in after[k]), default=0)
     ready_at = [0] * len(block)
-    ready = [(-height[k], k) for k in range(len(block)) if not waits[k]]
-    heapq.heapify(ready)
-    later: list[tuple[int, int]] = []
     free: dict[str, int] = {}
     order: list[int] = []
     done = [False] * len(block)
-    oldest = now = 0
+    oldest = now = issued = 0
     while len(order) < len(block):
-        while later and later[0][0] <= now:
-            _, k = heapq.heappop(later)
-            heapq.heappush(ready, (-height[k], k))
-        issued = 0
-        passed: list[tuple[int, int]] = []
-        while ready and issued < width:
-            entry = heapq.heappop(ready)
-            k = entry[1]
-            timing = timings[block[k].kind]
-            if k >= oldest + window or free.get(timing.unit, 0) > now:
-                passed.append(entry)
-                continue
-            issued += 1
-            order.append(k)
-            done[k] = True
-            free[timing.unit] = now + timing.interval
-            for j in after[k]:
-                waits[j] -= 1
-                ready_at[j] = max(ready_at[j], now + timing.latency)
-                if not waits[j]:
-                    heapq.heappush(later, (ready_at[j], j))
-        for entry in passed:
-            heapq.heappush(ready, entry)
+        best, found = -1, -1
+        if issued < width:
+            for k in range(oldest, min(oldest + window, len(block))):
+                if done[k] or waits[k] or ready_at[k] > now or height[k] <= best or free.get(units[k], 0) > now:
+                    continue
+                best, found = height[k], k
+        if found < 0:
+            now, issued = now + 1, 0
+            continue
+        issued += 1
+        order.append(found)
+        done[found] = True
+        free[units[found]] = now + taken[found].interval
+        for j in after[found]:
+            waits[j] -= 1
+            ready_at[j] = max(ready_at[j], now + taken[found].latency)
         while oldest < len(block) and done[oldest]:
             oldest += 1
-        now += 1
     return order

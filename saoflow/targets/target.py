@@ -38,6 +38,12 @@ class Shares:
 
     minimum: float
     compare: float
+    or_equal: float
+    """Of a comparison ``<=`` beyond that of ``<``: the flag of two conditions."""
+    value: float
+    """Of a comparison whose result becomes a value, beyond that of a flag."""
+    test: float
+    """Of a selection by a value, beyond that by a flag."""
     logic: float
     select: float
     lookup: float
@@ -45,8 +51,14 @@ class Shares:
     lookup_2d: float
     lookup_step: float
     """Of each step of the search."""
+    moved: float
+    """Moves between registers for each value that goes to memory."""
     call: float
     """Of a call beside its arguments and results: link, stack, addresses."""
+    far: float
+    """For each step by which a value on the stack is out of reach."""
+    pointer: float
+    """To reach a pointer on the stack, where the frame is beyond an offset's negative reach."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +72,14 @@ class InstructionSet:
     """Of these, how many survive a call."""
     arguments: int
     """How many reals a call passes in registers."""
+    held_back: int
+    """Registers that hold no value for long: the compiler reloads through them."""
+    near: int
+    """How many operations on a reloaded value is kept for a next read."""
+    integer_scratch: int
+    """Integer registers that a body may use without saving them."""
+    integer_preserved: int
+    """Integer registers that it may use and saves."""
     literal: int
     """Integer instructions that form the address of a constant, before its load."""
     reach: tuple[int, ...]
@@ -129,6 +149,10 @@ def _instruction_set(name: str, entry: Mapping[str, Any]) -> InstructionSet:
         entry["registers"],
         entry["preserved"],
         entry["arguments"],
+        entry["held_back"],
+        entry["near"],
+        entry["integer_scratch"],
+        entry["integer_preserved"],
         entry["literal"],
         tuple(entry["reach"]),
         bool(entry["multiply_add"]),
