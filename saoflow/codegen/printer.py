@@ -59,12 +59,30 @@ def print_file(file: File, traced: bool = True) -> Printed:
     if file.guard:
         out.line(f"#ifndef {file.guard}")
         out.line(f"#define {file.guard}")
+        _plus_plus(file, out, begin=True)
     for item in file.items:
         _item(item, out)
     if file.guard:
+        _plus_plus(file, out, begin=False)
         out.line("")
         out.line("#endif")
     return Printed(file.name, "\n".join(out.lines) + "\n", tuple(out.traces))
+
+
+def _plus_plus(file: File, out: _Lines, begin: bool) -> None:
+    """What lets a C++ program use the header of the C code."""
+    out.line("")
+    out.line("#ifdef __cplusplus")
+    if begin:
+        fields = [field for item in file.items if isinstance(item, Struct) for field in item.fields]
+        if any(field.type == "_Bool" for field in fields):
+            out.line("#ifndef _Bool")
+            out.line("#define _Bool bool  /* the same type, by its name in C++ */")
+            out.line("#endif")
+        out.line('extern "C" {')
+    else:
+        out.line("}")
+    out.line("#endif")
 
 
 class _Lines:
