@@ -397,7 +397,7 @@
     if (key.startsWith("Arrow")) { if (e.shiftKey && player) seek(player.at + (key === "ArrowRight" ? 1 : key === "ArrowLeft" ? -1 : 0)); else { const g = nextIn(key); chosen = null; choose(g); g.focus(); } }
     else if (key === "Enter") { if (chosen) open(chosen); else return; }
     else if (key === "Backspace" || key === "u") up();
-    else if (key === "Escape") { $("found").hidden = true; $("search").blur(); choose(null); }
+    else if (key === "Escape") { $("found").hidden = $("keys").hidden = true; $("search").blur(); choose(null); }
     else if (key === "/") $("search").focus();
     else if (key === "+" || key === "=") zoom(1.25);
     else if (key === "-") zoom(0.8);
@@ -405,6 +405,8 @@
     else if (key === "c") toggle("heat");
     else if (key === "v" && player) toggle("values");
     else if (key === "p" && chosen) { const d = chosen.dataset; if (d.wire !== undefined) pin(Number(d.wire), nameOfWire(here.drawing, Number(d.wire))); else if (d.block !== undefined && here.drawing.blocks[d.block].o[0]) { const o = here.drawing.blocks[d.block].o[0]; pin(o.w, nameOfWire(here.drawing, o.w)); } else if (d.terminal) { const t = here.drawing[d.terminal[0] === "i" ? "inputs" : "outputs"][d.terminal.slice(1)]; pin(t.w, t.n); } }
+    else if (key === "?") help();
+    else if (key === "s") side();
     else if (key === " " && player) play();
     else return;
     e.preventDefault();
@@ -413,6 +415,10 @@
   $("heat").addEventListener("click", () => toggle("heat"));
   $("values").addEventListener("click", () => toggle("values"));
   $("fit").addEventListener("click", fit);
+  const help = () => ($("keys").hidden = !$("keys").hidden);
+  const side = () => { const off = document.body.classList.toggle("narrow"); $("panel").hidden = off; $("side").setAttribute("aria-pressed", !off); fit(); };
+  $("help").addEventListener("click", help);
+  $("side").addEventListener("click", side);
   $("theme").addEventListener("click", () => {
     const dark = getComputedStyle(document.documentElement).getPropertyValue("--is-dark").trim() === "1";
     document.documentElement.dataset.theme = dark ? "light" : "dark";
