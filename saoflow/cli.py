@@ -3,13 +3,14 @@
 Commands are functions for typer, imported only when they are asked for. Those of other packages join through the
 entry-point group ``saoflow.commands``; one that cannot be imported does not disturb the others.
 
-Exit codes: 0 success; 1 what is checked does not hold; 2 bad input or usage; 130 interrupted.
+Exit codes: 0 success; 1 what is checked does not hold; 2 bad input or usage; 130 interrupted; 143 terminated.
 """
 
 from __future__ import annotations
 
 import importlib
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -40,6 +41,8 @@ Exit codes: 0 success, 1 what is checked does not hold, 2 bad input or usage."""
 
 def main() -> None:
     """The entry point: runs ``sys.argv`` and exits."""
+    # A command that is told to end does so like one that is interrupted: half-written files are removed.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     sys.exit(run(sys.argv[1:]))
 
 

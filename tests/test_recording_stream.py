@@ -7,8 +7,10 @@ import gzip
 import math
 import os
 import resource
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -234,6 +236,24 @@ def test_an_interrupt_or_a_full_disk_leaves_the_old_file_and_nothing_else(here: 
             do()
         assert os.listdir(here) == [name]
         assert read_table(name)["a"].tolist() == [1.0]
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_command_that_is_stopped_leaves_nothing_half_written(here: Path, number: int, code: int) -> None:
+    long_recording("x.csv", 300_000, {})
+    command = [sys.executable, "-m", "saoflow.cli", "run", LAG, "x.csv", "-o", "out.csv"]
+    heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731  a shell's background job ignores it
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
+    )
+    part = here / f".saoflow-{process.pid}.part"
+    while not (part.exists() and part.stat().st_size) and process.poll() is None:
+        time.sleep(0.005)
+    assert process.poll() is None, "it ran to its end before it could be stopped"
+    process.send_signal(number)
+    said = process.communicate()
+    assert (process.returncode, said) == (code, ("", ""))
+    assert os.listdir(here) == ["x.csv"]
 
 
 # -- memory
