@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-import saoflow
 from saoflow.codegen.objects import BackendWarning
 from saoflow.diagnosis import Diagnoses, Diagnosis, DiagnosisError
 from saoflow.scheduler.program import ProgramPort
 from saoflow.scheduler.simulator import Simulator
 from verification.campaigns.flights import is_kept
 from verification.campaigns.plan import Campaign, DrawnFlights, Variant
+from verification.campaigns.sheets import load_variant
 from verification.campaigns.summary import OUTPUTS
 from verification.campaigns.work import BACKEND
 from verification.flights.faults import SENSORS
@@ -34,7 +34,7 @@ def check_campaign(campaign: Campaign) -> list[Diagnosis]:
         try:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
-                simulator = saoflow.load(variant.sheet, dict(variant.settings)).simulator(backend=BACKEND)
+                simulator = load_variant(variant).simulator(backend=BACKEND)
             found.extend(w.message.diagnosis for w in caught if isinstance(w.message, BackendWarning))
             wrong = list(_wrong_ports(variant, simulator))
             found.extend(wrong)

@@ -97,10 +97,14 @@ class RunSet:
 
 @dataclass(frozen=True)
 class Variant:
-    """A sheet (a shipped name or a path) with parameters of its own: pairs of name and text."""
+    """A sheet (a shipped name or a path) with parameters of its own: pairs of name and text.
+
+    ``unlimited``: flown even if it exceeds its budget.
+    """
 
     sheet: str
     settings: tuple[tuple[str, str], ...] = ()
+    unlimited: bool = False
 
     @property
     def label(self) -> str:

@@ -27,7 +27,7 @@ RESULTS = "results.parquet"
 _MANIFEST = "campaign.json"
 _PARTS = "parts"
 _LOCK = ".lock"
-_GROUP = 4096
+_GROUP = 1024
 """Rows that are in memory at a time when the table is put together."""
 _LEFT_BEHIND = re.compile(r"\..*\.\d+\.part")
 _WHAT = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from verification.campaigns.metrics import Figures, Group, SheetMetrics, share
@@ -180,15 +180,22 @@ def markdown_table(table: Table) -> list[str]:
 
 def print_tables(metrics: Sequence[SheetMetrics], console: Console) -> None:
     """On a terminal."""
-    from rich.table import Table as RichTable
-
     for sheet in metrics:
         for table in tables_of(sheet):
-            shown = RichTable(
-                title=f"{sheet.sheet}: {table.title}", title_justify="left", caption=table.note or None, caption_justify="left"
-            )
-            for i, head in enumerate(table.heads):
-                shown.add_column(head, justify="left" if i == 0 else "right")
-            for row in table.rows:
-                shown.add_row(*row)
-            console.print(shown)
+            print_table(replace(table, title=f"{sheet.sheet}: {table.title}"), console)
+
+
+def print_table(table: Table, console: Console) -> None:
+    """One table on a terminal."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table as RichTable
+
+    shown = RichTable(title=table.title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    for i, head in enumerate(table.heads):
+        shown.add_column(head, justify="left" if i == 0 else "right", no_wrap=i == 0)
+    for row in table.rows:
+        shown.add_row(*row)
+    console.print(shown)
+    if table.note:
+        console.print(table.note, style="dim")
+    console.print()

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-import saoflow
 from saoflow.diagnosis import DiagnosisError
 from saoflow.scheduler.simulator import Simulator
 from verification.campaigns.cases import Case, Cases, Chunk, part_of
@@ -16,6 +15,7 @@ from verification.campaigns.flights import flown
 from verification.campaigns.plan import Campaign, RecordedFlights, Variant
 from verification.campaigns.readings import Flight, stacked_readings
 from verification.campaigns.row import Row, fault_columns
+from verification.campaigns.sheets import load_variant
 from verification.campaigns.summary import OUTPUTS, summary
 from verification.recordings import Recording
 from verification.recordings.recording import Array
@@ -102,7 +102,7 @@ def simulator_of(variant: Variant, backend: str = BACKEND) -> Simulator:
 def _loaded(variant: Variant, backend: str) -> Simulator:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that there is no compiler is told once, by the process that was asked
-        return saoflow.load(variant.sheet, dict(variant.settings)).simulator(backend=backend)
+        return load_variant(variant).simulator(backend=backend)
 
 
 def _row(flight: Flight, out: dict[str, Array]) -> Row:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,10 +10,9 @@ import typer
 
 from saoflow.commands.shell import BAD_INPUT, FAILED, Findings, Json, Set, finish, parse_settings, tell
 from saoflow.diagnosis import Diagnosis, DiagnosisError
+from verification.commands.progress import stages
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from verification.campaigns.plan import Campaign
     from verification.campaigns.run import Outcome
 
@@ -94,7 +92,7 @@ def _run(
 
     start = time.monotonic()
     try:
-        with _progress() as progress:
+        with stages() as progress:
             outcome = run_campaign(plan, output, workers, dask, progress)
         metrics = metrics_of(rows_of(outcome.results))
         files = write_report(plan, metrics, outcome.results.parent)
@@ -125,26 +123,6 @@ def _summary(outcome: Outcome, seconds: float) -> str:
     there = outcome.runs - outcome.flown
     before = f", {there} were there" if there else ""
     return f"{outcome.runs} runs: {outcome.flown} flown in {seconds:.1f} s{before}"
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str, int, int], None]]:
-    """A bar with the time left for each stage, on a terminal's standard error."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description:<18}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    tasks: dict[str, TaskID] = {}
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
-
-        def show(stage: str, done: int, total: int) -> None:
-            if stage not in tasks:
-                # What was there before does not count for the time left.
-                tasks[stage] = bars.add_task(stage, total=total, completed=done)
-            bars.update(tasks[stage], completed=done)
-
-        yield show
 
 
 def _no_folder() -> Diagnosis:

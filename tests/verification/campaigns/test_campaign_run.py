@@ -94,7 +94,7 @@ def test_a_folder_is_for_one_campaign(tmp_path: Path) -> None:
     run_campaign(SMALL, tmp_path / "out", workers=1)
     other = Campaign(SMALL.name, "", SMALL.seed + 1, SMALL.sheets, SMALL.flights, SMALL.runs)
     before = sorted(p.name for p in (tmp_path / "out").rglob("*"))
-    with pytest.raises(DiagnosisError, match="E802.*holds the campaign `small`") as caught:
+    with pytest.raises(DiagnosisError, match=r"E802.*holds the campaign `small`") as caught:
         run_campaign(other, tmp_path / "out", workers=1)
     assert caught.value.diagnoses[0].cause == "the campaign's file says something else"
     assert sorted(p.name for p in (tmp_path / "out").rglob("*")) == before
