@@ -94,7 +94,7 @@ def write_table(
 
 @contextlib.contextmanager
 def open_table(path: str | Path | Output, formatter: Formatter = float.__repr__) -> Iterator[TableWriter]:
-    """A recording to be written in parts. It takes its name at the end; nothing is left behind if it does not get there.
+    """A recording to be written in parts. It takes its name at the end; nothing is left if it does not get there.
 
     The same rows give the same bytes, whatever the parts. Raises DiagnosisError E601, E605.
     """

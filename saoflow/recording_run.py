@@ -1,4 +1,4 @@
-"""A recording of any length through a sheet, to a recording: read, run and written in parts, with the state carried over."""
+"""A recording of any length through a sheet, to a recording: read, run and written in parts."""
 
 from __future__ import annotations
 

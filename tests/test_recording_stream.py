@@ -44,7 +44,7 @@ def in_small_parts(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
 
 
 def random_text(seed: int) -> str:
-    """CSV as people write it: quotes, empty cells, text that nobody reads, cells over several lines, other line ends."""
+    """CSV as people write it: quotes, empty cells, text that nobody reads, cells over several lines."""
     rng = np.random.default_rng(seed)
     end = str(rng.choice(["\n", "\r\n"]))
     lines = ['v_2,note,"s",v_1,on']

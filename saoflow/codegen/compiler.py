@@ -120,7 +120,8 @@ def _call(command: Sequence[str], compiler: Compiler) -> None:
         command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL, env=place
     )
     if done.returncode:
-        ended = f"ends with exit code {done.returncode}" if done.returncode > 0 else f"is killed by signal {-done.returncode}"
+        code = done.returncode
+        ended = f"ends with exit code {code}" if code > 0 else f"is killed by signal {-code}"
         said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
         raise _failed(
             compiler,

@@ -94,17 +94,8 @@ def run(
     if done is None:
         finish(findings.found, json)
         raise typer.Exit(BAD_INPUT)
-    facts = {
-        "sheet": simulator.program.sheet,
-        "recording": recording,
-        "output": output,
-        **({} if report is None else {"report": report}),
-        "frames": done.frames,
-        "seconds": round(done.seconds, 6),
-        "frames_per_second": round(done.frames / max(done.seconds, 1e-9)),
-        "missing": done.missing,
-        "columns": list(done.columns),
-    }
+    written = {"output": output} if report is None else {"output": output, "report": report}
+    facts = {"sheet": simulator.program.sheet, "recording": recording, **written, **_facts(done)}
     if json:
         finish(findings.found, json, facts)
         return
@@ -213,6 +204,16 @@ def _write_report(sheet: LoadedSheet, kept: Kept, report: str) -> None:
 
     with progress_bar(f"drawing {report}", 1.0) as bar:
         write_report(report, report_of_run(sheet, kept.inputs(), kept.outputs(), kept.t()), bar)
+
+
+def _facts(done: Done) -> dict[str, Any]:
+    return {
+        "frames": done.frames,
+        "seconds": round(done.seconds, 6),
+        "frames_per_second": round(done.frames / max(done.seconds, 1e-9)),
+        "missing": done.missing,
+        "columns": list(done.columns),
+    }
 
 
 def _summary(facts: dict[str, Any]) -> str:

@@ -68,8 +68,13 @@ class Bench:
         command = [sys.executable, "-m", "saoflow.cli", "run", "sum.yaml", "in.csv", "-o", "out.csv", "--backend", "c"]
         return subprocess.Popen(
             [*command, *arguments],
-            cwd=self.folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=limit,
-        )  # fmt: skip
+            cwd=self.folder,
+            env=environment,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            preexec_fn=limit,
+        )
 
     def run(self, *arguments: str, limit: Callable[[], None] | None = None) -> tuple[int, str]:
         """Exit code and what is said on standard error."""
@@ -194,7 +199,9 @@ def test_a_cache_that_nobody_may_write_to_is_told_and_does_without(bench: Bench)
 def test_without_a_compiler_the_interpreter_does_the_work(bench: Bench) -> None:
     bench.settings |= {"PATH": str(bench.folder / "nothing"), "SAOFLOW_CC": "nothing"}
     script = bench.folder / "sitecustomize.py"  # and no ziglang
-    script.write_text("import importlib.util as u\nf = u.find_spec\nu.find_spec = lambda n, *a: None if n == 'ziglang' else f(n, *a)\n")
+    script.write_text(
+        "import importlib.util as u\nf = u.find_spec\nu.find_spec = lambda n, *a: None if n == 'ziglang' else f(n, *a)\n"
+    )
     bench.settings["PYTHONPATH"] = str(bench.folder)
     code, said = bench.run()
     assert code == 0 and bench.result() == RESULT

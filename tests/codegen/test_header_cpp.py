@@ -32,7 +32,8 @@ int main() {
         input.v[1] = input.u;
         input.on = k != 2;
         small_step(&state, &input, &output);
-        std::printf("%a %a %d\\n", static_cast<double>(output.total), static_cast<double>(output.look[1]), int(output.both));
+        double total = static_cast<double>(output.total), look = static_cast<double>(output.look[1]);
+        std::printf("%a %a %d\\n", total, look, int(output.both));
     }
 }
 """
@@ -47,7 +48,8 @@ def test_a_cpp_program_runs_frames(c: str, cpp: str, standard: str, real: int, t
     build(sheet, folder, real)
     kind = "double" if real == 64 else "float"
     (tmp_path / "main.cpp").write_text(MAIN.replace("REAL", kind))
-    subprocess.run([c, "-std=c99", "-ffp-contract=off", "-c", str(folder / "small.c"), "-o", "small.o"], cwd=tmp_path, check=True)
+    compiled = [c, "-std=c99", "-ffp-contract=off", "-c", str(folder / "small.c"), "-o", "small.o"]
+    subprocess.run(compiled, cwd=tmp_path, check=True)
     command = [cpp, f"-std={standard}", *STRICT, f"-I{folder}", "main.cpp", "small.o", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True)
     said = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
@@ -65,4 +67,5 @@ def test_a_cpp_program_runs_frames(c: str, cpp: str, standard: str, real: int, t
 def test_the_flagships_header_is_clean(cpp: str, tmp_path: Path) -> None:
     build(saoflow.load("umhe_fte"), tmp_path / "out", inputs=None)
     (tmp_path / "main.cpp").write_text('#include "umhe_fte.h"\nint main() { return 0; }\n')
-    subprocess.run([cpp, "-std=c++11", *STRICT, f"-I{tmp_path / 'out'}", "-fsyntax-only", "main.cpp"], cwd=tmp_path, check=True)
+    command = [cpp, "-std=c++11", *STRICT, f"-I{tmp_path / 'out'}", "-fsyntax-only", "main.cpp"]
+    subprocess.run(command, cwd=tmp_path, check=True)

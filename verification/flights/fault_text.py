@@ -49,7 +49,7 @@ def parse_fault(text: str) -> Fault:
 
 
 def parse_missing(text: str) -> Missing:
-    """The missing samples that ``text`` describes. Raises DiagnosisError E712 (not understood), E714 (makes no sense)."""
+    """The missing samples that ``text`` describes. Raises DiagnosisError E712 (not understood), E714 (no sense)."""
     head, *parts = (part.strip() for part in text.split(":"))
     pairs = _pairs(text, parts, _MISSING_KEYS, MISSING_SYNTAX)
     if "frames" not in pairs:

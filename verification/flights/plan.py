@@ -19,7 +19,7 @@ FEET_PER_KFT = 1000.0
 
 
 def _sensible(part: object, above_zero: tuple[str, ...] = (), not_zero: tuple[str, ...] = ()) -> None:
-    """Raises DiagnosisError E705 unless all numbers of the dataclass ``part`` are finite and the named ones are as named."""
+    """Raises DiagnosisError E705 unless all numbers of the dataclass ``part`` are finite, the named ones as named."""
     what = type(part).__name__
     for f in fields(part):  # type: ignore[arg-type]
         value = getattr(part, f.name)
