@@ -31,7 +31,7 @@ CHOSEN = "chosen: "
 
 @dataclass(frozen=True)
 class Tuning:
-    """All parameters of CMHE-FTE and UMHE-FTE. `dataclasses.fields(Tuning)` carries unit and source of each.
+    """All parameters of CMHE-FTE, UMHE-FTE and EKF-FTE. `dataclasses.fields(Tuning)` carries unit and source of each.
 
     Scalars are in the unit stated; the properties below assemble them into SI arrays. States are in the
     order (alpha, V_g, W_x, W_z), outputs in the order (V_g, V_z, alpha, V_c).
@@ -117,6 +117,9 @@ class Tuning:
     umhe_vg_max: float = quantity(700.0, "m/s", CHOSEN + "never met by a valid V_g")
     umhe_w_max: float = quantity(250.0, "m/s", CHOSEN + "room for Fig. 4, where W_x takes in the whole fault")
     umhe_u_factor: float = quantity(50.0, "1", CHOSEN + "times the bounds of u")
+
+    # EKF-FTE has UMHE's limits, and one of the covariance
+    ekf_p_factor: float = quantity(1e6, "1", CHOSEN + "times P; a larger variance starts the covariance anew")
 
     # Bounds of the outputs
     vc_out_max: float = quantity(800.0, "kt", CHOSEN + "V_c(vt_max) at sea level; lower bound 0")

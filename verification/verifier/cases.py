@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from verification.reference import cmhe_fte as cmhe_reference
+from verification.reference import ekf_fte as ekf_reference
 from verification.reference import umhe_fte as umhe_reference
 from verification.reference.estimator import Method, Trace, initial_state
 from verification.reference.estimator import run as run_reference
@@ -15,6 +16,7 @@ from verification.reference.estimator import step as step_reference
 from verification.reference.inputs import INERTIAL, Inputs
 from verification.reference.tuning import Tuning
 from verification.verifier.case import Choice, ClosedLoop, Closeness, Decision, Expected, ReferenceCase, Values
+from verification.verifier.ekf_case import ekf_case
 from verification.verifier.estimator_case import (
     Memory,
     Quantity,
@@ -39,12 +41,12 @@ TABLES_SPEED = 0.02
 """How far the tables may move an airspeed in closed loop [kt]."""
 
 
-def closed_loop(method: Method, tuning: Tuning) -> ClosedLoop:
+def closed_loop(run: Callable[[Values], Values], tuning: Tuning) -> ClosedLoop:
     """The closed loop with tables against the reference's own run."""
     degrees = 180.0 / math.pi
     threshold = tuning.alpha_threshold, tuning.vc_threshold
     return ClosedLoop(
-        run=lambda inputs: run_reference(inputs, tuning, method),
+        run=run,
         close=(
             Closeness("alpha_hat", TABLES_ALPHA, "deg", degrees),
             Closeness("vc_hat", TABLES_SPEED, "kt"),
@@ -100,7 +102,7 @@ def _case(
         tuple(quantity.compared for quantity in quantities),
         tuple(Choice(name, wire) for name, wire in zip(choices, line_searches, strict=True)),
         initial,
-        closed_loop(method, tuning),
+        closed_loop(lambda inputs: run_reference(inputs, tuning, method), tuning),
     )
 
 
@@ -154,3 +156,4 @@ def umhe_case(tuning: Tuning) -> ReferenceCase:
 cmhe_fte = cmhe_case(Tuning())
 cmhe_fte_lean = lean_case(Tuning())
 umhe_fte = umhe_case(Tuning())
+ekf_fte = ekf_case(Tuning(), closed_loop(lambda inputs: ekf_reference.run(inputs, Tuning()), Tuning()))

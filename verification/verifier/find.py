@@ -18,6 +18,7 @@ SHIPPED = {
     "cmhe_fte": "verification.verifier.cases:cmhe_fte",
     "cmhe_fte_lean": "verification.verifier.cases:cmhe_fte_lean",
     "umhe_fte": "verification.verifier.cases:umhe_fte",
+    "ekf_fte": "verification.verifier.cases:ekf_fte",
     "ekf": "verification.verifier.mho_cases:ekf",
     "mho_fault_detection": "verification.verifier.mho_cases:mho_fault_detection",
     "mho_pe": "verification.verifier.mho_cases:mho_pe",
