@@ -47,6 +47,8 @@ CODES: dict[str, str] = {
     "E221": "wrong number of operands",
     "E222": "a name is used twice",
     "E223": "the table's error bound cannot be proved",
+    "E224": "a rate does not fit",
+    "E225": "a wire between rates has no stated transition",
     # order and lowering
     "E301": "algebraic loop",
     "E302": "the schedule fails its independent check",
@@ -98,4 +100,5 @@ CODES: dict[str, str] = {
     "E805": "the sheet does not have the ports that a campaign needs",
     "E806": "the cluster cannot be used",
     "E807": "a sheet with variants cannot be understood",
+    "E808": "worker processes do not start",
 }

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from saoflow.diagnosis import DiagnosisError, refusal
-from saoflow.recording_parquet import need_pyarrow
+from saoflow.recordings.parquet_reader import need_pyarrow
 from saoflow.whole_file import write_whole
 from verification.campaigns.cases import duration_of
 from verification.campaigns.plan import INSIDE, DrawnFlights, FlightSet, RecordedFlights

@@ -10,6 +10,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import TypeVar
 
+from saoflow.diagnosis import refusal
+
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -29,6 +31,7 @@ def spread(
 
     ``work`` must be importable. A process that dies (out of memory, killed) takes the others with it: a new pool goes
     on, each of the items that were under way is tried alone, and the one that kills its process again gets ``lost(item)``.
+    Raises DiagnosisError E808 if processes do not even start.
     """
     if workers <= 1:
         for item in items:
@@ -75,11 +78,25 @@ def _until_broken(work: Callable[[T], R], source: Iterator[T], workers: int, sus
 
 
 def _alone(work: Callable[[T], R], item: T, lost: Callable[[T], R]) -> R:
+    """Raises DiagnosisError E808 if not even a process starts that could do the work: then no item is to blame."""
     with _executor(1) as pool:
+        try:
+            pool.submit(_ready, work).result()
+        except BrokenProcessPool:
+            raise refusal(
+                "E808",
+                "worker processes do not start",
+                cause="a new one died before it had anything to do; what it said stands above",
+                remedy="free memory, or run with --workers 1",
+            ) from None
         try:
             return pool.submit(work, item).result()
         except BrokenProcessPool:
             return lost(item)
+
+
+def _ready(work: Callable[[T], R]) -> None:
+    """Nothing; that the worker has received it means that it could import the work."""
 
 
 def _executor(workers: int) -> ProcessPoolExecutor:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from saoflow.diagnosis import DiagnosisError, refusal
-from saoflow.recording_parquet import need_pyarrow
+from saoflow.recordings.parquet_reader import need_pyarrow
 from saoflow.whole_file import write_whole
 from verification.campaigns.cases import Chunk
 from verification.campaigns.row import COLUMNS, Row

@@ -189,13 +189,14 @@ def print_table(table: Table, console: Console) -> None:
     """One table on a terminal."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table as RichTable
+    from rich.text import Text
 
-    shown = RichTable(title=table.title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    shown = RichTable(title=Text(table.title), title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     for i, head in enumerate(table.heads):
-        shown.add_column(head, justify="left" if i == 0 else "right", no_wrap=i == 0)
+        shown.add_column(Text(head), justify="left" if i == 0 else "right", no_wrap=i == 0)
     for row in table.rows:
-        shown.add_row(*row)
+        shown.add_row(*(Text(cell) for cell in row))  # not markup: a variant has brackets
     console.print(shown)
     if table.note:
-        console.print(table.note, style="dim")
+        console.print(Text(table.note, style="dim"))
     console.print()

@@ -138,10 +138,11 @@ def _delay(faulty: Group) -> float:
 def pareto(entries: Sequence[Entry], cost: str, value: str, larger_is_better: bool = False) -> tuple[Entry, ...]:
     """The entries that no other beats in both: at most the cost and at least as good, one of them strictly.
 
-    ``cost``, ``value``: names of fields. Entries without a value (NaN) are left out. In order of cost.
+    Values count to three significant digits: the fourth depends on the flights. ``cost``, ``value``: names of fields. Entries without a value (NaN) are left out. In order of cost.
     """
     sign = -1.0 if larger_is_better else 1.0
-    points = [(getattr(e, cost), sign * getattr(e, value), e) for e in entries if getattr(e, value) == getattr(e, value)]
+    values = [float(f"{getattr(entry, value):.3g}") for entry in entries]
+    points = [(getattr(e, cost), sign * v, e) for e, v in zip(entries, values, strict=True) if v == v]
     best = [
         (c, v, e)
         for c, v, e in points

@@ -10,10 +10,10 @@ HEADS = (
     "sheet",
     "operations",
     "budget",
-    "us a frame",
-    "AOA error [deg]",
+    "time [us]",
+    "AOA [deg]",
     "faulty",
-    "VCAS error [kt]",
+    "VCAS [kt]",
     "faulty",
     "found [%]",
     "must, missed",
@@ -33,10 +33,10 @@ def table_of(comparison: Comparison) -> Table:
     rows = tuple(_row(entry, [field for field, found in best.items() if entry in found]) for entry in comparison.entries)
     note = (
         f"Campaign {comparison.campaign}: {comparison.fault_free} fault-free and {comparison.faulty} faulty runs a sheet. "
-        "Errors are mean absolute ones, fault-free and faulty, after the start-up (VCAS without categories III and IV). "
+        "AOA, VCAS: mean absolute errors, fault-free and faulty, after the start-up (VCAS without categories III and IV). "
         "Found: faults of one kind of sensor all of whose sensors were confirmed; must, missed: of those that must be found; "
         "delay: mean over fast faults that must be found. Wrong: faulty runs with a healthy sensor condemned. Best in: no "
-        "other has fewer operations and is as good. Time: one flight in C on this machine."
+        "other has fewer operations and is as good, to three digits. Time: a frame of one flight in C on this machine."
     )
     return Table("Comparison", HEADS, rows, note)
 
@@ -45,10 +45,7 @@ _SHORT = {"alpha_error_faulty": "AOA", "vc_error_faulty": "VCAS", "found": "foun
 
 
 def _row(entry: Entry, best: list[str]) -> tuple[str, ...]:
-    if entry.budget is None:
-        fits = "-"
-    else:
-        fits = "fits" if entry.fits else f"over {entry.budget:.0f}"
+    fits = {None: "-", True: "fits", False: "over"}[entry.fits]
     failed = f" ({entry.failed} runs failed)" if entry.failed else ""
     return (
         entry.label + failed,
