@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from saoflow import cli
-from saoflow.recording import read_table
+from saoflow.recordings import read_table
 
 GOOD = Path(__file__).parent / "sheets" / "good"
 LAG = str(GOOD / "first_order_lag.yaml")

@@ -10,7 +10,7 @@ import pytest
 from saoflow import DiagnosisError, load
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagrams.netlist import flat_nodes
-from saoflow.recording import column_names, read_frames, read_table
+from saoflow.recordings import column_names, read_frames, read_table
 
 GOOD = Path(__file__).parent / "sheets" / "good"
 SHEETS = sorted([*GOOD.glob("*.yaml"), *GOOD.glob("*/main.yaml")])

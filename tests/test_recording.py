@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from saoflow import DiagnosisError, recording_table
-from saoflow.recording import check_output, column_names, output_columns, read_frames, read_table, write_table
+from saoflow import DiagnosisError
+from saoflow.recordings import check_output, column_names, output_columns, read_frames, read_table, table, write_table
 from saoflow.wires import WireType
 
 SCALAR, VECTOR, MATRIX, FLAG = WireType(), WireType((2,)), WireType((2, 2)), WireType((), True)
@@ -272,7 +272,7 @@ def test_missing_files_folders_and_bombs_are_refused(here: Path, monkeypatch: py
     assert "there is no such file" in refused(lambda: read_table("none.csv"))
     Path("folder.csv").mkdir()
     assert "it is a folder" in refused(lambda: read_table("folder.csv"))
-    monkeypatch.setattr(recording_table, "MOST_BYTES", 100_000)
+    monkeypatch.setattr(table, "MOST_BYTES", 100_000)
     Path("bomb.csv.gz").write_bytes(gzip.compress(b"s\n" + b"1\n" * 100_000))
     assert "error[E110]: the recording is too large" in refused(lambda: read_table("bomb.csv.gz"))
 

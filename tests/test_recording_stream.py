@@ -19,9 +19,18 @@ import numpy as np
 import pytest
 
 import saoflow
-from saoflow import DiagnosisError, cli, recording_csv, recording_parquet, recording_text
+from saoflow import DiagnosisError, cli
 from saoflow.codegen.compiler import find_compiler
-from saoflow.recording import FrameReader, open_table, read_frames, read_table, write_table
+from saoflow.recordings import (
+    FrameReader,
+    csv_reader,
+    open_table,
+    parquet_reader,
+    read_frames,
+    read_table,
+    text,
+    write_table,
+)
 from saoflow.wires import WireType
 from verification.flights import load_recording, sensors
 
@@ -38,9 +47,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def in_small_parts(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
-    monkeypatch.setattr(recording_text, "BLOCK", size)
-    monkeypatch.setattr(recording_csv, "ROWS", 3)
-    monkeypatch.setattr(recording_parquet, "ROWS", 7)
+    monkeypatch.setattr(text, "BLOCK", size)
+    monkeypatch.setattr(csv_reader, "ROWS", 3)
+    monkeypatch.setattr(parquet_reader, "ROWS", 7)
 
 
 def random_text(seed: int) -> str:
@@ -191,7 +200,7 @@ def test_mistakes_far_apart_are_told_together_in_bounds(here: Path, monkeypatch:
     assert first == "x.csv:4:1: `bad` in row 3 of column `u` is not a number"
     assert second == "x.csv:405:1: `worse` in row 404 of column `u` is not a number"
     assert "nothing from line 1598 on" in rest
-    monkeypatch.setattr(recording_csv, "LOOK_ON", 10**9)
+    monkeypatch.setattr(csv_reader, "LOOK_ON", 10**9)
     assert told() == [first, second]
 
 
@@ -311,8 +320,8 @@ def test_memory_does_not_grow_with_the_recording(here: Path) -> None:
 def test_too_little_memory_is_told(here: Path) -> None:
     Path("x.csv").write_text("u\n1\n")
     script = (
-        "import sys\nfrom saoflow import cli\nimport saoflow.recording\n"
-        "def short(*_): raise MemoryError\nsaoflow.recording.FrameReader.__init__ = short\n"
+        "import sys\nfrom saoflow import cli\nimport saoflow.recordings\n"
+        "def short(*_): raise MemoryError\nsaoflow.recordings.FrameReader.__init__ = short\n"
         "sys.exit(cli.run(['run', *sys.argv[1:]]))"
     )
     done = subprocess.run(

@@ -12,7 +12,7 @@ import pytest
 
 from saoflow import cli
 from saoflow.commands import run as run_command
-from saoflow.recording import write_table
+from saoflow.recordings import write_table
 
 LAG = str(Path(__file__).parent / "sheets" / "good" / "first_order_lag.yaml")
 

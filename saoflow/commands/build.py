@@ -31,7 +31,7 @@ def build(
     """
     from saoflow.codegen import build as building
     from saoflow.codegen.self_check import frame_count
-    from saoflow.recording import read_frames
+    from saoflow.recordings import read_frames
 
     findings = Findings()
     findings.attempt(lambda: building.check_folder(Path(folder)))

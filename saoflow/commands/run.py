@@ -26,8 +26,8 @@ from saoflow.diagnosis import Diagnosis, refusal
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
-    from saoflow.recording import FrameReader, Output
-    from saoflow.recording_run import Done, Kept
+    from saoflow.recordings import FrameReader, Output
+    from saoflow.recordings.run import Done, Kept
     from saoflow.scheduler.simulator import Simulator
     from saoflow.wires import WireType
 
@@ -66,7 +66,7 @@ def run(
 
     Example: saoflow run cmhe_fte flight.csv -o estimates.csv --report estimates.html
     """
-    from saoflow.recording import FrameReader, check_output
+    from saoflow.recordings import FrameReader, check_output
 
     findings = Findings()
     probes = list(dict.fromkeys(probe or ()))
@@ -162,7 +162,7 @@ def _refuse_twins(simulator: Simulator, probes: list[str], findings: Findings) -
 
 def _check_report(report: str, recording: str, output: str) -> None:
     """Refuse now a report that could not be written later. Raises DiagnosisError E601."""
-    from saoflow.recording import check_place
+    from saoflow.recordings import check_place
 
     if Path(report).resolve() == Path(output).resolve():
         cause, remedy = "it is the recording that is written", "name another file"
@@ -179,7 +179,7 @@ def _run(
     findings: Findings,
 ) -> Done:
     """Run all frames, write them, and the report. Raises DiagnosisError; warnings go to the findings."""
-    from saoflow.recording_run import Kept, run_recording
+    from saoflow.recordings.run import Kept, run_recording
 
     kept = None if report is None else Kept(REPORT_FRAMES)
     with reader, progress_bar(f"running {simulator.program.sheet}", 1.0) as bar:

@@ -40,7 +40,7 @@ def view(
 
     Example: saoflow view cmhe_fte --run flight.csv -o cmhe_fte.html
     """
-    from saoflow.recording_output import check_place
+    from saoflow.recordings.output import check_place
 
     findings = Findings()
     if svg and recording is not None:
@@ -81,7 +81,7 @@ def _write(sheet: LoadedSheet, target: str, run: RunShown | None, inside: str, s
 def _read(sheet: LoadedSheet, recording: str, findings: Findings) -> RunShown:
     """The inputs of a recording, no more of them than a page plays."""
     from saoflow.drawing.page import RunShown
-    from saoflow.recording import FrameReader
+    from saoflow.recordings import FrameReader
 
     parts, count, more = [], 0, False
     with FrameReader(recording, sheet.input_types) as reader:

@@ -70,7 +70,7 @@ def _fly(
     from rich.console import Console
     from rich.progress import Progress
 
-    from saoflow.recording import check_output
+    from saoflow.recordings import check_output
     from verification.flights.catalogue import find_flight
     from verification.flights.fault_text import parse_fault, parse_missing
     from verification.flights.fly import check_onsets, fly_plan, summary

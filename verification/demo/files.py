@@ -7,7 +7,7 @@ from pathlib import Path
 
 import saoflow
 from saoflow import Diagnosis, DiagnosisError
-from saoflow.recording import check_output, output_columns, write_table
+from saoflow.recordings import check_output, output_columns, write_table
 from saoflow.report import Difference, Mark, Report, RunShown, limits_of, write_report
 from verification.demo.facts import equality_table, error_table, facts
 from verification.demo.result import DemoResult, Method

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from saoflow.diagnosis import refusal
-from saoflow.recording import check_output
+from saoflow.recordings import check_output
 from verification.flights.catalogue import find_flight
 from verification.flights.faults import Fault, Missing
 from verification.flights.plan import FlightPlan

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from saoflow import recording as recording_files
+from saoflow import recordings as recording_files
 from saoflow.diagnosis import did_you_mean, refusal
-from saoflow.recording import csv_text
+from saoflow.recordings import csv_text
 
 Array = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ def write_recording(recording: Recording, path: str | Path) -> None:
 
 
 def read_recording(path: str | Path, period: float = FRAME_PERIOD) -> Recording:
-    """Reads ``.csv``, ``.csv.gz`` or ``.parquet``. Raises DiagnosisError as :func:`saoflow.recording.read_table` does,
+    """Reads ``.csv``, ``.csv.gz`` or ``.parquet``. Raises DiagnosisError as :func:`saoflow.recordings.read_table` does,
     with line and column.
     """
     table = recording_files.read_table(path)

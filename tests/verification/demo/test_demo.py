@@ -11,7 +11,7 @@ import pytest
 
 import saoflow
 from saoflow import cli
-from saoflow.recording import output_columns, read_frames, read_table, write_table
+from saoflow.recordings import output_columns, read_frames, read_table, write_table
 from verification.demo import DemoResult, Scenario, run_demo, write_files
 from verification.demo.facts import facts, to_dict
 from verification.demo.picture import write_picture

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from saoflow.recording import FrameReader, Output, open_table, output_columns
+from saoflow.recordings import FrameReader, Output, open_table, output_columns
 
 if TYPE_CHECKING:
-    from saoflow.recording import Frames
+    from saoflow.recordings import Frames
     from saoflow.scheduler.simulator import Arrays, Simulator
 
 Progress = Callable[[float], None]

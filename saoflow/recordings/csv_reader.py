@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, in_order
-from saoflow.recording_table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
-from saoflow.recording_text import Lines, Text
+from saoflow.recordings.table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
+from saoflow.recordings.text import Lines, Text
 
 ROWS = 8192
 """Rows that are turned into numbers together, where that is not quick."""

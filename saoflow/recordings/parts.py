@@ -9,11 +9,11 @@ from collections.abc import Generator
 
 import numpy as np
 
-from saoflow import recording_table
 from saoflow.diagnosis import DiagnosisError
-from saoflow.recording_csv import csv_parts
-from saoflow.recording_parquet import parquet_parts
-from saoflow.recording_table import EXTENSIONS, Chooser, Part, Table, extension, nothing_in, too_large, unreadable
+from saoflow.recordings import table
+from saoflow.recordings.csv_reader import csv_parts
+from saoflow.recordings.parquet_reader import parquet_parts
+from saoflow.recordings.table import EXTENSIONS, Chooser, Part, Table, extension, nothing_in, too_large, unreadable
 
 
 def column_parts(path: str, choose: Chooser, flags: frozenset[str] = frozenset()) -> Generator[Part, None, None]:
@@ -54,9 +54,9 @@ def read_columns(path: str, choose: Chooser, flags: frozenset[str] = frozenset()
     for part in column_parts(path, choose, flags):
         tables.append(part.table)
         taken += sum(column.nbytes for column in part.table.columns)
-        if taken > recording_table.MOST_BYTES:
+        if taken > table.MOST_BYTES:
             raise DiagnosisError([too_large(path)])
     if len(tables) == 1:
         return tables[0]
-    columns = tuple(np.concatenate(parts) for parts in zip(*(table.columns for table in tables), strict=True))
-    return Table(tables[0].names, columns, sum(len(table) for table in tables))
+    columns = tuple(np.concatenate(parts) for parts in zip(*(one.columns for one in tables), strict=True))
+    return Table(tables[0].names, columns, sum(len(one) for one in tables))

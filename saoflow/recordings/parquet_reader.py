@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position
-from saoflow.recording_table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
+from saoflow.recordings.table import MOST_SHOWN, Chooser, Part, Table, nothing_in, unreadable
 
 ROWS = 8192
 """Rows that are read together."""

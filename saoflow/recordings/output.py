@@ -14,8 +14,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError
-from saoflow.recording_parquet import need_pyarrow
-from saoflow.recording_table import EXTENSIONS, extension
+from saoflow.recordings.parquet_reader import need_pyarrow
+from saoflow.recordings.table import EXTENSIONS, extension
 
 ROWS = 8192
 """Rows that are turned into text together."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import IO
 
 from saoflow.diagnosis import DiagnosisError
-from saoflow.recording_table import extension, nothing_in, unreadable
+from saoflow.recordings.table import extension, nothing_in, unreadable
 
 BLOCK = 1 << 21
 """Bytes that are read together; a block ends with the line that it ends in."""

@@ -1,9 +1,4 @@
-"""Recordings: tables of frames in files, CSV (also gzip-compressed) or Parquet, one row a frame.
-
-A scalar port ``vg`` is the column ``vg``; a vector ``alpha`` of size 3 is ``alpha_1, alpha_2, alpha_3``; a matrix ``P``
-is ``P_1_1, P_1_2, ...``. Further columns are ignored, but ``t``, which is copied through. NaN, infinity and an empty
-cell are missing samples: they run, and are counted.
-"""
+"""The inputs of a sheet from a recording, as a whole or in parts; its outputs as columns."""
 
 from __future__ import annotations
 
@@ -14,27 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
-from saoflow.recording_output import Output, TableWriter, check_output, check_place, csv_text, open_table, write_table
-from saoflow.recording_parts import column_parts, read_columns
-from saoflow.recording_table import Part, Table, extension
+from saoflow.recordings.parts import column_parts, read_columns
+from saoflow.recordings.table import Part, Table, extension
 from saoflow.wires import WireType
-
-__all__ = [
-    "FrameReader",
-    "Frames",
-    "Output",
-    "Table",
-    "TableWriter",
-    "check_output",
-    "check_place",
-    "column_names",
-    "csv_text",
-    "open_table",
-    "output_columns",
-    "read_frames",
-    "read_table",
-    "write_table",
-]
 
 TIME = "t"
 """The column that is copied from the recording of the inputs to that of the outputs."""
