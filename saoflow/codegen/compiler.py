@@ -35,8 +35,13 @@ class Compiler:
     def flags(self) -> tuple[str, ...]:
         """What makes good code soon: a frame's code is long and straight, and compiled while the user waits."""
         # One pass of gcc (dead stores in machine code) takes as long as all others together on such code, for nothing.
-        quick = ("-O1",) if self.is_clang else ("-O1", "-fno-dse", "-Wno-psabi")
-        return (*quick, *(("-march=native",) if platform.machine() in ("x86_64", "AMD64") else ()), *STRICT)
+        quick = () if self.thorough else ("-O1",) if self.is_clang else ("-O1", "-fno-dse")
+        return (*quick, *(() if self.is_clang else ("-Wno-psabi",)), *(("-march=native",) if platform.machine() in ("x86_64", "AMD64") else ()), *STRICT)
+
+    @property
+    def thorough(self) -> bool:
+        """The command itself names a level (``SAOFLOW_CC="clang -O2"``): it is taken, and compiles may last."""
+        return any(word in ("-O2", "-O3") for word in self.command)
 
     @property
     def is_clang(self) -> bool:

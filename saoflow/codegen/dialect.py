@@ -142,7 +142,6 @@ class Lanes:
         return (
             TypeAlias("reals", self.element, f"vector_size({size})"),
             TypeAlias("masks", whole, f"vector_size({size})"),
-            TypeAlias("places", "int", f"vector_size({4 * self.count})"),
             every("reals", "every_real", self.element),
             every("masks", "every_mask", whole),
             helper("reals", "chosen", (mask, ra, rb), Return(blended(c))),

@@ -10,9 +10,11 @@ from dataclasses import dataclass, replace
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
 from saoflow.codegen.guided_tables import native_table_items
+from saoflow.codegen.inlining import placed_procedures
 from saoflow.codegen.interface import Interface, StateField
 from saoflow.codegen.macros import HEADERS
 from saoflow.codegen.names import Names
+from saoflow.codegen.quads import quad_items, quads_fit
 from saoflow.codegen.runner import RESERVED, runner, strictness
 from saoflow.codegen.tables_c import table_items
 from saoflow.codegen.tree import (
@@ -67,14 +69,16 @@ def generate(program: FrameProgram, about: About) -> Code:
     return _Generator(program, about, Scalar(program.real)).code()
 
 
-def native_file(program: FrameProgram, lanes: int = 0) -> File:
+def native_file(program: FrameProgram, lanes: int = 0, placed: bool = False) -> File:
     """One file for this machine: a frame, and the loop over frames (:mod:`saoflow.codegen.runner`).
 
     ``lanes``: so many flights side by side in every value; 0: one flight, with the statements of the code that flies. Look-ups
-    find their interval faster here (:mod:`saoflow.codegen.guided_tables`); every bit is the same.
+    find their interval faster here (:mod:`saoflow.codegen.guided_tables`). ``placed``: procedures are laid out where they are
+    called (:mod:`saoflow.codegen.inlining`). Every bit is the same.
     """
     dialect = Lanes(program.real, lanes) if lanes else Scalar(program.real)
-    return _Generator(program, About("", "", ()), dialect, guided=True).native()
+    inlined = placed_procedures(program) if placed else frozenset()
+    return _Generator(program, About("", "", ()), dialect, True, inlined).native()
 
 
 CONTRACTION = (
@@ -86,8 +90,16 @@ CONTRACTION = (
 
 
 class _Generator:
-    def __init__(self, program: FrameProgram, about: About, dialect: Dialect, guided: bool = False) -> None:
+    def __init__(
+        self,
+        program: FrameProgram,
+        about: About,
+        dialect: Dialect,
+        guided: bool = False,
+        placed: frozenset[int] = frozenset(),
+    ) -> None:
         self.program = program
+        self.placed = placed
         self.about = about
         self.dialect = dialect
         self.guided = guided
@@ -135,8 +147,13 @@ class _Generator:
         face, lanes = self.interface, self.dialect if isinstance(self.dialect, Lanes) else None
         structs = [item for item in self._header_items() if isinstance(item, Struct)]
         frame = [*self._frame(), replace(self._step(), static=True)]
-        items = [*strictness(), *(lanes.items() if lanes else ()), *structs, *frame, runner(self.program, face, lanes)]
+        items = [*strictness(), *self._lane_types(lanes), *structs, *frame, runner(self.program, face, lanes)]
         return File(f"{face.prefix}.c", "", tuple(items))
+
+    def _lane_types(self, lanes: Lanes | None) -> tuple[Item, ...]:
+        if lanes is None:
+            return ()
+        return (*lanes.items(), *(quad_items(lanes.bits) if quads_fit(lanes.count) else ()))
 
     def _frame(self) -> list[Item]:
         """The tables and the procedures."""
@@ -225,6 +242,7 @@ class _Generator:
                 parameters += (Parameter(f"{self.dialect.boolean} *", "q"),)
             result = "void"
         comment = f"Sheet {body.name}: {len(body.operations)} operations."
+        result = f"inline __attribute__((always_inline)) {result}" if number in self.placed else result
         return Function(result, self.procedures[number], parameters, tuple(statements), True, comment)
 
     def _step(self) -> Function:

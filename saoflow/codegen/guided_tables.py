@@ -1,20 +1,17 @@
-"""Look-ups of frames compiled for this machine: the search starts from a guide, so that a step or two find what the plain search takes nine for.
-
-The guide divides the range evenly: bucket(u) = (int)((u - low) * scale). Subtraction, multiplication by a positive number
-and truncation never decrease with u, rounding included, so every breakpoint of an earlier bucket is below u and every one of
-a later bucket above. The interval is therefore found by comparisons with breakpoints, as in the plain search, and so are
-its bits; the guide only says where to begin.
+"""Look-ups of frames compiled for this machine: the search starts from a guide (:mod:`saoflow.codegen.guide`), so that a
+step or two find what the plain search takes nine for; what a breakpoint has (input, value, slope) lies side by side.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
+from saoflow.codegen.guide import Guide, guide_of
+from saoflow.codegen.quads import guarded, quads_fit, turned
 from saoflow.codegen.tables_c import search_steps, table_items
 from saoflow.codegen.tree import (
+    AddressOf,
     Assign,
     Binary,
     Call,
@@ -22,6 +19,7 @@ from saoflow.codegen.tree import (
     Compound,
     ConstantArray,
     Declare,
+    Do,
     Element,
     Expression,
     Function,
@@ -36,38 +34,6 @@ from saoflow.codegen.tree import (
 )
 from saoflow.operations import Kind, Literal, Table
 from saoflow.table_evaluation import PreparedTable, prepare
-
-MOST_BUCKETS = 4096
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Guide:
-    """``first[bucket]``: the last breakpoint of an earlier bucket (0 if there is none); ``within``: most in one bucket."""
-
-    scale: float
-    first: np.ndarray
-    within: int
-
-
-def guide_of(x: np.ndarray) -> Guide | None:
-    """A guide to increasing breakpoints (n,), made in their own type; None where it would not help."""
-    best: Guide | None = None
-    buckets = 1 << max(2, int(x.size - 1).bit_length())
-    while buckets <= MOST_BUCKETS and (best is None or best.within > 1):
-        scale = x.dtype.type(buckets) / (x[-1] - x[0])
-        if not np.isfinite(scale):
-            return None
-        bucket = ((x - x[0]) * scale).astype(np.int64)
-        before = np.searchsorted(bucket, np.arange(bucket[-1] + 1), side="left")
-        guide = Guide(float(scale), np.maximum(before - 1, 0), int(np.bincount(bucket).max()))
-        if best is None or _steps(guide) < _steps(best):
-            best = guide
-        buckets *= 2
-    return best if best is not None and _steps(best) + 2 < int(x.size).bit_length() else None
-
-
-def _steps(guide: Guide) -> int:
-    return int(guide.within).bit_length()
 
 
 def native_table_items(name: str, table: Table, bits: int, lanes: int) -> tuple[Item, ...]:
@@ -100,70 +66,117 @@ class _Guided:
         self.lanes = lanes
         self.element = "double" if bits == 64 else "float"
         self.dialect: Dialect = Lanes(bits, lanes) if lanes else Scalar(bits)
+        self.stride = 4 if table.linear else 2
         points = table.values.size
-        self.halves = [1 << k for k in reversed(range(_steps(guide)))] if guide else list(search_steps(points))
+        self.halves = [1 << k for k in reversed(range(guide.steps))] if guide else list(search_steps(points))
         self.places = [Variable(f"i{lane}") for lane in range(max(lanes, 1))]
 
     def items(self) -> tuple[Item, ...]:
         """The arrays, then the function."""
         (x,) = self.table.breakpoints
         # A step may look beyond the last breakpoint: there nothing is at or below the input.
-        padded = np.append(x, np.full(sum(self.halves) if self.guide else 0, np.inf, dtype=x.dtype))
-        arrays = [self._array("x", padded), self._array("y", self.table.values)]
+        rows = np.zeros((x.size + (sum(self.halves) if self.guide else 0), self.stride), dtype=x.dtype)
+        rows[:, 0] = np.inf
+        rows[: x.size, 0], rows[: x.size, 1] = x, self.table.values
         if self.table.linear:
-            arrays.append(self._array("s", self.table.slopes))
+            rows[: x.size, 2] = self.table.slopes
+            rows[:-1, 3], rows[-1, 3] = rows[1:, 0], np.inf
+        numbers = tuple(Real(float(v), self.bits) for v in rows.ravel())
+        items: list[Item] = [ConstantArray(self.element, f"{self.name}_r", numbers, "input, value, slope, next input")]
+        if self.guide is not None:
+            first = tuple(Integer(int(i) * self.stride) for i in self.guide.first)
+            kind = "unsigned short" if rows.size < 1 << 16 else "unsigned int"
+            items.append(ConstantArray(kind, f"{self.name}_guide", first, ""))
         kind = self.dialect.real
         name = f"{self.name}_lanes" if self.lanes else self.name
-        function = Function(kind, name, (Parameter(f"const {kind}", "u"),), tuple(self._body(x)), True)
-        if self.guide is not None:
-            first = tuple(Integer(int(i)) for i in self.guide.first)
-            arrays.append(ConstantArray("unsigned short", f"{self.name}_guide", first, ""))
-        return (*arrays, function)
+        parameters = (Parameter(f"const {kind}", "u"),)
 
-    def _array(self, which: str, values: np.ndarray) -> ConstantArray:
-        return ConstantArray(self.element, f"{self.name}_{which}", tuple(Real(float(v), self.bits) for v in values), "")
+        def function(quads: bool) -> Function:
+            return Function(f"inline {kind}", name, parameters, tuple(self._body(x, quads)), True)
 
-    def _body(self, x: np.ndarray) -> list[Statement]:
+        whole_rows = self.table.linear and quads_fit(self.lanes)
+        return (*items, *(guarded([function(True)], [function(False)]) if whole_rows else [function(False)]))
+
+    def _body(self, x: np.ndarray, quads: bool) -> list[Statement]:
         low, high = (self.dialect.literal(Literal(float(v))) for v in (x[0], x[-1]))
         kind, limited = f"const {self.dialect.real}", Variable("x")
         body: list[Statement] = [
             Declare(kind, "a", self.dialect.operation(Kind.MAXIMUM, [Variable("u"), low], False)),
             Declare(kind, "x", self.dialect.operation(Kind.MINIMUM, [Variable("a"), high], False)),
-            *self._begin(limited, low),
+            *self._begin(limited),
         ]
-        for half in self.halves:
-            for lane, place in enumerate(self.places):
-                ahead = Binary("+", place, Integer(half, True))
-                there = Binary("<=", Element(Variable(f"{self.name}_x"), ahead), self._at(limited, lane))
-                # No branch: which lane goes on cannot be predicted.
-                step = Cast("unsigned int", there)
-                step_on = step if half == 1 else Binary("*", step, Integer(half, True))
-                body.append(Assign(place, Binary("+", place, step_on)))
-        body.append(Declare(kind, "y", self._found("y")))
-        if not self.table.linear:
-            return [*body, Return(Variable("y"))]
-        body += [Declare(kind, "p", self._found("x")), Declare(kind, "s", self._found("s"))]
+        if quads and self.halves == [1]:
+            body += self._step_of_lanes(limited)
+        else:
+            body += self._steps(limited)
+            if not self.table.linear:
+                return [*body, Return(self._found(1))]
+            columns = {0: "p", 1: "y", 2: "s"}
+            if quads:
+                body += turned(f"{self.name}_r", self.places, 0, columns, self.bits)
+            else:
+                body += [Declare(kind, name, self._found(k)) for k, name in columns.items()]
         rise = Binary("*", Binary("-", limited, Variable("p")), Variable("s"))
         return [*body, Return(Binary("+", Variable("y"), rise))]
 
-    def _begin(self, limited: Variable, low: Expression) -> list[Statement]:
+    def _steps(self, limited: Variable) -> list[Statement]:
+        """The search goes on from where it began, in steps that halve; every lane for itself."""
+        body: list[Statement] = []
+        for half in self.halves:
+            for lane, place in enumerate(self.places):
+                there = Binary("<=", self._row(place, half * self.stride), self._at(limited, lane))
+                # No branch: which lane goes on cannot be predicted.
+                step = Binary("*", Cast("unsigned int", there), Integer(half * self.stride, True))
+                body.append(Assign(place, Binary("+", place, step)))
+        return body
+
+    def _step_of_lanes(self, limited: Variable) -> list[Statement]:
+        """One step is left: the row of the beginning and the next one for all lanes, then a choice."""
+        array = f"{self.name}_r"
+        body = turned(array, self.places, 0, {0: "p0", 1: "y0", 2: "s0", 3: "p1"}, self.bits)
+        body += turned(array, self.places, self.stride, {1: "y1", 2: "s1"}, self.bits)
+        on = self.dialect.operation(Kind.LESS_EQUAL, [Variable("p1"), limited], True)
+        body.append(Declare("const masks", "on", on))
+        for name in ("p", "y", "s"):
+            operands: list[Expression] = [Variable("on"), Variable(f"{name}1"), Variable(f"{name}0")]
+            body.append(Declare("const reals", name, self.dialect.operation(Kind.SELECT, operands, False)))
+        return body
+
+    def _begin(self, limited: Variable) -> list[Statement]:
         """Where the search of every lane begins: at its bucket's first, or at the first of all."""
-        if self.guide is None:
+        guide = self.guide
+        if guide is None:
             return [Declare("unsigned int", place.name, Integer(0, True)) for place in self.places]
-        scale = self.dialect.literal(Literal(self.guide.scale))
-        scaled = Binary("*", Binary("-", limited, low), scale)
-        whole = Call("__builtin_convertvector", (scaled, Variable("places"))) if self.lanes else Cast("int", scaled)
-        bucket, guide = Variable("b"), Variable(f"{self.name}_guide")
-        starts = [Element(guide, self._at(bucket, lane)) for lane in range(len(self.places))]
-        return [
-            Declare("const places" if self.lanes else "const int", "b", whole),
-            *(Declare("unsigned int", place.name, at) for place, at in zip(self.places, starts, strict=True)),
-        ]
+        scale, shift = (self.dialect.literal(Literal(v)) for v in (guide.scale, guide.shift))
+        scaled = Binary("+", limited if guide.scale == 1.0 else Binary("*", limited, scale), shift)
+        whole, number = "long long" if self.bits == 64 else "int", Variable("n")
+        body: list[Statement] = [Declare(f"const {self.dialect.real}", "w", scaled)]
+        if self.lanes:
+            # Shifted and less the base in all lanes at once; the last 32 bits are what counts.
+            key: Expression = Cast("masks", Variable("w"))
+            key = Binary(">>", key, Integer(guide.drop)) if guide.drop else key
+            base = Call("every_mask", (Integer(guide.base),))
+            body.append(Declare("const masks", "n", Binary("-", key, base) if guide.base else key))
+        else:
+            copy = Call("__builtin_memcpy", (AddressOf(number), AddressOf(Variable("w")), Integer(self.bits // 8, True)))
+            body += [Declare(whole, "n", None), Do(copy)]
+        for lane, place in enumerate(self.places):
+            found: Expression = self._at(number, lane)
+            if self.lanes:
+                found = Cast("unsigned int", found)
+            else:
+                found = Cast("unsigned int", Binary(">>", found, Integer(guide.drop)) if guide.drop else found)
+                found = Binary("-", found, Integer(guide.base, True)) if guide.base else found
+            body.append(Declare("unsigned int", place.name, Element(Variable(f"{self.name}_guide"), found)))
+        return body
+
+    def _row(self, place: Variable, further: int) -> Expression:
+        return Element(Variable(f"{self.name}_r"), Binary("+", place, Integer(further, True)) if further else place)
 
     def _at(self, value: Variable, lane: int) -> Expression:
         return Element(value, Integer(lane)) if self.lanes else value
 
-    def _found(self, which: str) -> Expression:
-        """An array at the place of every lane."""
-        found = tuple(Element(Variable(f"{self.name}_{which}"), place) for place in self.places)
+    def _found(self, which: int) -> Expression:
+        """What lies in the rows at the places of every lane."""
+        found = tuple(self._row(place, which) for place in self.places)
         return Compound("reals", found) if self.lanes else found[0]

@@ -80,7 +80,9 @@ class Objects:
 
     def path(self, lanes: int) -> Path:
         """The object for one flight (0) or so many side by side. Raises DiagnosisError E607."""
-        note = f"{self.key}.{lanes}"
+        # A batch is worth a longer compile; one flight only if it was asked for.
+        placed = lanes > 0 or self.compiler.thorough
+        note = f"{self.key}.{lanes}{'p' if placed else ''}"
         known = self.folder.read(note) if self.key else None
         if known is not None:
             name = object_name(known.decode("ascii"), self.compiler)
@@ -90,7 +92,7 @@ class Objects:
         from saoflow.codegen.printer import print_file
 
         with collector_paused():
-            text = print_file(native_file(self.program, lanes), traced=False).text
+            text = print_file(native_file(self.program, lanes, placed), traced=False).text
         path = compiled(text, self.compiler, self.folder)
         if self.key:
             _keep(self.folder, note, digest(text).encode("ascii"))

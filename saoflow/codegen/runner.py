@@ -38,7 +38,7 @@ from saoflow.codegen.tree import (
 from saoflow.scheduler.program import FrameProgram, ProgramPort
 
 RESERVED = frozenset(
-    {ENTRY, "reals", "masks", "places", "every_real", "every_mask", "chosen", "chosen_mask", "smaller", "larger"}
+    {ENTRY, "reals", "masks", "quads", "every_real", "every_mask", "chosen", "chosen_mask", "smaller", "larger"}
 )
 """Names of the file that holds a runner."""
 
