@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from saoflow.formula import NAMED, Formula, X, Y, apply, as_formula, compile_array, power
 from saoflow.operations import Table
-from saoflow.tabulate import (
+from saoflow.tables.tabulate import (
     RELATIVE_FLOOR,
     TabulateError,
     error_budget,

@@ -20,7 +20,7 @@ from saoflow.blocks.symbol import (
     word_of,
 )
 from saoflow.operations import Expander, Table, Tensor
-from saoflow.tabulate import TabulateError, tabulate
+from saoflow.tables.tabulate import TabulateError, tabulate
 from saoflow.units import Unit, conversion_hint
 from saoflow.wires import WireType, shape_text
 

@@ -33,7 +33,7 @@ from saoflow.codegen.tree import (
     Variable,
 )
 from saoflow.operations import Kind, Literal, Table
-from saoflow.table_evaluation import PreparedTable, prepare
+from saoflow.tables.evaluation import PreparedTable, prepare
 
 
 def native_table_items(name: str, table: Table, bits: int, lanes: int) -> tuple[Item, ...]:

@@ -24,11 +24,11 @@ from saoflow.codegen.tree import (
     Variable,
 )
 from saoflow.operations import Table
-from saoflow.table_evaluation import PreparedTable, prepare
+from saoflow.tables.evaluation import PreparedTable, prepare
 
 
 def table_items(name: str, table: Table, bits: int) -> tuple[Item, ...]:
-    """The arrays of a table and its function ``name``, with the bits of ``table_evaluation.py``."""
+    """The arrays of a table and its function ``name``, with the bits of ``tables/evaluation.py``."""
     real_type = "double" if bits == 64 else "float"
     prepared = prepare(table, np.float64 if bits == 64 else np.float32)
     what = f"Table {table.name}: {' by '.join(str(x.size) for x in prepared.breakpoints)} points"

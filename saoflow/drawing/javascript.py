@@ -17,7 +17,7 @@ import numpy as np
 
 from saoflow.operations import Atom, Kind, Literal, Table
 from saoflow.scheduler.program import FrameProgram, ProgramBody
-from saoflow.table_evaluation import prepare
+from saoflow.tables.evaluation import prepare
 
 TEMPLATES = {
     Kind.ADD: "{0}+{1}",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from saoflow.operations import Atom, Kind, Literal
 from saoflow.scheduler.program import FrameProgram, ProgramBody
-from saoflow.table_evaluation import prepare
+from saoflow.tables.evaluation import prepare
 
 Scalar = float | bool
 

@@ -17,7 +17,7 @@ from saoflow.formula import compile_array, compile_scalar
 from saoflow.operations import Table
 from saoflow.scheduler.program import FrameProgram
 from saoflow.scheduler.python_printer import ARRAY, SCALAR, print_python
-from saoflow.table_evaluation import TabulateError, prepare
+from saoflow.tables.evaluation import TabulateError, prepare
 
 FrameFunction = Callable[[Sequence[Any], Sequence[Any]], tuple[tuple[Any, ...], tuple[Any, ...]]]
 

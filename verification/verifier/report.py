@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from saoflow.tabulate import TableError
+from saoflow.tables.tabulate import TableError
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from saoflow import Diagnosis, DiagnosisError, LoadedSheet, load
-from saoflow.tabulate import TableError, error_budget
+from saoflow.tables.tabulate import TableError, error_budget
 from verification.verifier.case import Reference, ReferenceCase
 from verification.verifier.closed_loop import compare_closed_loop
 from verification.verifier.find import find_reference

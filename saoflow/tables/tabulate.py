@@ -18,8 +18,8 @@ import numpy as np
 from saoflow.enclosure import Interval, ball_arithmetic, enclose, enclose_2d
 from saoflow.formula import Formula, evaluate, variables
 from saoflow.operations import Table
-from saoflow.table_evaluation import PreparedTable, TabulateError, TabulateProblem, evaluate_table, prepare
-from saoflow.table_proof import (
+from saoflow.tables.evaluation import PreparedTable, TabulateError, TabulateProblem, evaluate_table, prepare
+from saoflow.tables.proof import (
     RELATIVE_FLOOR,
     TableError,
     cell_method_errors,

@@ -4,7 +4,7 @@ Linear interpolation between exact values errs by f[a, u, b] (u - a) (b - u), at
 width h (de Boor, A Practical Guide to Splines, chapter III); bilinear by the sum of that along both axes; holding the
 left value by max|f'| h. The derivatives are enclosed with ball arithmetic (``enclosure.py``). To this come the rounding
 of the tabulated values, measured, and of the evaluation in binary64, bounded from the formula of
-``table_evaluation.py``.
+``tables/evaluation.py``.
 
 A relative error is relative to max(\\|f(u)\\|, floor), floor = :data:`RELATIVE_FLOOR` times the largest tabulated
 value: at a zero of f no binary64 evaluation keeps a purely relative error.
@@ -22,7 +22,7 @@ import numpy as np
 from saoflow.enclosure import Interval, Jet, ball_arithmetic, enclose, enclose_2d, value_ball
 from saoflow.formula import Formula, evaluate
 from saoflow.operations import Table
-from saoflow.table_evaluation import evaluate_table
+from saoflow.tables.evaluation import evaluate_table
 
 RELATIVE_FLOOR = 1e-6
 """Where a relative error is asked for: the part of the largest value below which it is absolute."""

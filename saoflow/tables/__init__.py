@@ -1,0 +1,1 @@
+"""Look-up tables: breakpoints from a formula, the proof of their error, and their values to the bit."""
