@@ -1,4 +1,4 @@
-"""The sheets cmhe_fte and umhe_fte: their ports, parameters, budget, and their equality with the numpy reference.
+"""The sheets cmhe_fte, umhe_fte and ekf_fte: their ports, parameters, budget, and their equality with the numpy reference.
 
 Frame by frame over 10 000 frames is the verifier's work (``saoflow verify``); here the closed loop must stay equal.
 """
@@ -19,13 +19,13 @@ from saoflow.pipeline import LoadedSheet
 from saoflow.scheduler.simulator import Simulator
 from saoflow.units import Unit
 from verification.flights import Fault, load_recording, sensors
-from verification.reference import cmhe_fte, umhe_fte
+from verification.reference import cmhe_fte, ekf_fte, umhe_fte
 from verification.reference.arrays import DEGREE
 from verification.reference.tuning import Tuning
 
 Array = NDArray[np.float64]
 Arrays = dict[str, Array]
-REFERENCES: dict[str, ModuleType] = {"cmhe_fte": cmhe_fte, "umhe_fte": umhe_fte}
+REFERENCES: dict[str, ModuleType] = {"cmhe_fte": cmhe_fte, "umhe_fte": umhe_fte, "ekf_fte": ekf_fte}
 SHEETS = tuple(REFERENCES)
 FOLDER = Path(saoflow.__file__).parent / "diagrams" / "cmhe_fte"
 TUNING = Tuning()
@@ -87,10 +87,11 @@ NAMES = {"n_horizon": "N", "n_qp": "n_QP"}
 """The reference's names of parameters, where the sheets have the paper's."""
 
 OTHERS_ALONE = {
-    "cmhe_fte": {p.name for p in fields(Tuning) if p.name.startswith("umhe_")},
-    "umhe_fte": set(),
+    "cmhe_fte": {p.name for p in fields(Tuning) if p.name.startswith(("umhe_", "ekf_"))},
+    "umhe_fte": {"ekf_p_factor"},
+    "ekf_fte": {"umhe_u_factor"},
 }
-"""What a sheet does not have, because only the other method needs it; umhe_fte has all parameters of cmhe_fte."""
+"""What a sheet does not have, because only another method needs it; the others have all parameters of cmhe_fte."""
 
 
 def declared(name: str) -> dict[str, tuple[float, Unit | None, str]]:
@@ -121,18 +122,27 @@ def test_every_number_is_the_references(name: str) -> None:
     assert missing == OTHERS_ALONE[name]
 
 
-def test_both_sheets_have_the_same_parameters() -> None:
-    one, other = declared("cmhe_fte"), declared("umhe_fte")
+@pytest.mark.parametrize("rival", ["umhe_fte", "ekf_fte"])
+def test_the_sheets_have_the_same_parameters(rival: str) -> None:
+    one, other = declared("cmhe_fte"), declared(rival)
     assert {k: v for k, v in one.items() if k in other} == {k: v for k, v in other.items() if k in one}
 
 
 def test_both_sheets_are_wired_alike() -> None:
     """They differ in how Step 3 solves its quadratic program and in the bounds of the wind and in the budget."""
-    one, other = (flagship(name).sheet.lines for name in SHEETS)
+    one, other = (flagship(name).sheet.lines for name in ("cmhe_fte", "umhe_fte"))
     one, other = (lines[lines.index("inputs:") :] for lines in (one, other))
     assert len(one) == len(other)
     different = [a.split(":")[0].strip() for a, b in zip(one, other, strict=True) if a != b]
     assert different == ["step3", "wx_out", "wz_out", "budget"]
+
+
+def test_the_filter_is_wired_as_the_window_is_around_step_3() -> None:
+    """Steps 0 to 2 and the outputs of ekf_fte read as those of umhe_fte; the prediction has another name."""
+    one, other = ("\n".join(flagship(name).sheet.lines) for name in ("umhe_fte", "ekf_fte"))
+    other = other.replace("x_prior", '"warm.x[-1]"')
+    for begin, end in (("  # Step 1:", "  # The "), ("outputs:", "budget:")):
+        assert one[one.index(begin) : one.index(end)] == other[other.index(begin) : other.index(end)]
 
 
 @pytest.mark.parametrize("name", SHEETS)
@@ -151,14 +161,14 @@ def test_says_which_equations(path: Path) -> None:
     assert sheet.profile is not None
 
 
-@pytest.mark.parametrize("name", ["step3", "step3_unconstrained"])
+@pytest.mark.parametrize("name", ["step3", "step3_unconstrained", "step3_extended_kalman"])
 def test_step_3_is_in_profile_six(name: str) -> None:
     profile = saoflow.load(str(FOLDER / f"{name}.yaml")).sheet.profile
     assert profile is not None
     assert profile.text == "six"
 
 
-@pytest.mark.parametrize(("name", "limit"), [("cmhe_fte", 19_500), ("umhe_fte", 2_500)])
+@pytest.mark.parametrize(("name", "limit"), [("cmhe_fte", 19_500), ("umhe_fte", 2_500), ("ekf_fte", 1_200)])
 def test_budget(name: str, limit: int) -> None:
     counted = flagship(name).budget().tree.total
     assert 0.5 * limit < counted <= limit
@@ -256,6 +266,7 @@ def test_tables_cost_little(name: str, case: str) -> None:
     [
         ("cmhe_fte", {"n_horizon": 2, "n_qp": 1, "n_kappa": 3}, {"N": 2, "n_QP": 1, "n_kappa": 3}),
         ("umhe_fte", {"n_horizon": 2}, {"N": 2}),
+        ("ekf_fte", {"q_w": 0.1, "p_w": 0.5, "ekf_p_factor": 1.5}, {"q_w": 0.1, "p_w": 0.5, "ekf_p_factor": 1.5}),
         (
             "cmhe_fte",
             {"wx_max": 5.0, "p_w": 0.1, "n_s_max": 3, "n_eval": 6, "n_detect": 2, "alpha_threshold": 1.0},

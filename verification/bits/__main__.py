@@ -21,7 +21,7 @@ from verification.bits.flights import flagship_rows
 from verification.bits.harness import TARGETS, Target, first_difference, run_c, run_interpreter
 from verification.bits.random_sheets import ROWS, SIDE_SHEETS, sheets
 
-FLAGSHIPS = ("cmhe_fte", "umhe_fte", "cmhe_fte_lean")
+FLAGSHIPS = ("cmhe_fte", "umhe_fte", "ekf_fte", "cmhe_fte_lean")
 FLIGHT = 500
 """Frames of a flight."""
 BLOCK = 200_000

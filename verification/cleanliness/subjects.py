@@ -17,7 +17,7 @@ from verification.bits.flights import flagship_rows
 from verification.bits.harness import write_program
 from verification.bits.random_sheets import ODD, SIDE_SHEETS, sheets
 
-ESTIMATORS = ("cmhe_fte", "umhe_fte", "cmhe_fte_lean")
+ESTIMATORS = ("cmhe_fte", "umhe_fte", "ekf_fte", "cmhe_fte_lean")
 """Shipped root sheets that fly; those that do not exist are left out by name."""
 
 LIBRARY_PARAMETERS: Mapping[str, float] = {

@@ -9,7 +9,7 @@ import pytest
 from reference_cases import CALM, TUNING, VC_RUNAWAY, WINDY, flight, synthetic
 
 from verification.flights import Fault, load_recording, sensors
-from verification.reference import cmhe_fte, umhe_fte
+from verification.reference import cmhe_fte, ekf_fte, umhe_fte
 from verification.reference.arrays import DEGREE
 from verification.reference.inputs import INERTIAL, RecordingError, frames
 
@@ -132,7 +132,7 @@ def with_gap(inputs, gaps):
     return broken
 
 
-@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte])
+@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte, ekf_fte])
 @pytest.mark.parametrize("seed", range(4))
 def test_after_ten_missing_frames_the_run_is_back_in_5_s(method, seed):
     generator = np.random.default_rng(seed)
@@ -145,7 +145,7 @@ def test_after_ten_missing_frames_the_run_is_back_in_5_s(method, seed):
     gaps |= {("vc", i): (first, TUNING.n_detect - 1, value) for i in range(seed)}
     undisturbed, outputs = method.run(inputs), method.run(with_gap(inputs, gaps))
     assert alarms(outputs) == 0
-    assert_finite_and_bounded(outputs, wind=500.0 if method is umhe_fte else None)
+    assert_finite_and_bounded(outputs, wind=None if method is cmhe_fte else 500.0)
     later = slice(first + missing + round(5.0 / TUNING.t_s), None)
     assert len(outputs["alpha_hat"][later]) > 5
     assert np.abs(outputs["alpha_hat"] - undisturbed["alpha_hat"])[later].max() < 0.1 * DEGREE
@@ -178,7 +178,7 @@ def test_an_air_data_sensor_missing_for_n_d_frames_is_faulty_and_not_before():
         assert outputs["vc_faulty"][-1].sum() == 0
 
 
-@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte])
+@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte, ekf_fte])
 def test_outputs_are_finite_and_bounded_whatever_the_inputs(method):
     generator = np.random.default_rng(11)
     n = 400
@@ -191,14 +191,14 @@ def test_outputs_are_finite_and_bounded_whatever_the_inputs(method):
         kind = generator.integers(0, 3, column.shape)
         inputs[name] = np.choose(kind, [column, wild, odd])
     outputs = method.run(inputs)
-    assert_finite_and_bounded(outputs, wind=500.0 if method is umhe_fte else None)
+    assert_finite_and_bounded(outputs, wind=None if method is cmhe_fte else 500.0)
 
 
-@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte])
+@pytest.mark.parametrize("method", [cmhe_fte, umhe_fte, ekf_fte])
 def test_nothing_but_missing_samples_gives_finite_outputs(method):
     inputs = {name: np.full_like(column, np.nan) for name, column in synthetic(60).items()}
     outputs = method.run(inputs)
-    assert_finite_and_bounded(outputs, wind=500.0 if method is umhe_fte else None)
+    assert_finite_and_bounded(outputs, wind=None if method is cmhe_fte else 500.0)
     assert outputs["configuration"][-1] == 4
 
 

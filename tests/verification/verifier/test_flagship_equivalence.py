@@ -15,13 +15,14 @@ from saoflow import load
 from verification.flights import Fault, Missing, load_recording, sensors
 from verification.reference.tuning import Tuning
 from verification.verifier import Scenario, find_reference, verify
-from verification.verifier.cases import cmhe_fte, umhe_fte
+from verification.verifier.cases import cmhe_fte, ekf_fte, umhe_fte
+from verification.verifier.ekf_case import ekf_case
 from verification.verifier.scenarios import edge_frames, flight_scenarios
 
 SHEETS = Path(saoflow.__file__).parent / "diagrams" / "cmhe_fte"
 
 
-@pytest.mark.parametrize("sheet", ["cmhe_fte", "umhe_fte"])
+@pytest.mark.parametrize("sheet", ["cmhe_fte", "umhe_fte", "ekf_fte"])
 def test_the_sheet_equals_its_reference(sheet):
     report = verify(sheet, frames=600)
     assert report.passed, report.summary
@@ -53,6 +54,7 @@ def test_the_runs_visit_what_there_is_to_compare():
 def test_references_are_found_by_the_name_of_the_sheet():
     assert find_reference("cmhe_fte")[0] is cmhe_fte
     assert find_reference("umhe_fte")[0] is umhe_fte
+    assert find_reference("ekf_fte")[0] is ekf_fte
 
 
 ALIASES = {"n_horizon": "N", "n_qp": "n_QP"}
@@ -62,13 +64,14 @@ CMHE_ONLY = (
 )
 
 
-@pytest.mark.parametrize("sheet", ["cmhe_fte", "umhe_fte"])
+@pytest.mark.parametrize("sheet", ["cmhe_fte", "umhe_fte", "ekf_fte"])
 def test_every_number_of_the_tuning_is_the_sheets_too(sheet):
     """A threshold off by a hair would differ in no sampled frame: so the numbers themselves are compared."""
     from saoflow.diagrams.expression_value import evaluate
 
     declared = {p.name.text: p for p in load(sheet).sheet.parameters}
-    other = "umhe_" if sheet == "cmhe_fte" else CMHE_ONLY
+    others = {"cmhe_fte": ("umhe_", "ekf_"), "umhe_fte": (*CMHE_ONLY, "ekf_"), "ekf_fte": (*CMHE_ONLY, "umhe_u_factor")}
+    other = others[sheet]
     for field in fields(Tuning):
         name = ALIASES.get(field.name, field.name)
         if name not in declared:
@@ -115,6 +118,33 @@ DEFECTS = {
     "a missing sensor's residual": ("step1", "[valid, difference, 0]", "[valid, difference, 0.001]", "residuals (17)"),
     "the warm start not shifted": ("warm_start", '["x[1:]", "[x_next]"]', '["x[:-1]", "[x_next]"]', "warm start of x"),
 }  # fmt: skip
+
+
+EKF_DEFECTS = {
+    "a sign in the gain's covariance": ("measurement_update", "{add: [P_hat, -KPi]}", "{add: [P_hat, KPi]}", "P_f"),
+    "half of Q": ("ekf_fte", "Q_bar: Q,", "Q_bar: 0.5*Q,", "P_hat, one step ahead"),
+    "two elements of P exchanged": ("step3_extended_kalman", "P_prior[2], P_prior[5], P_prior[7]", "P_prior[2], P_prior[6], P_prior[7]", "P_hat"),
+    "no new start of the covariance": ("ekf_fte", "{or: [start.load, P_lost]}", "{or: [start.load, start.load]}", "P_hat"),
+    "an absent row counts": ("ekf_fte", "{mul: [present, counts]}", "{mul: [counts, counts]}", "rows that count"),
+    "linearised at the prediction": ("ekf_fte", "coming: {transition: {x: step3.x,", "coming: {transition: {x: x_prior,", "P_hat, one step ahead"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("defect", EKF_DEFECTS)
+def test_a_defect_planted_in_the_filter_is_found_and_located(tmp_path, defect):
+    sheet, old, new, first = EKF_DEFECTS[defect]
+    shutil.copytree(SHEETS, tmp_path / "sheets")
+    path = tmp_path / "sheets" / f"{sheet}.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    parameters = {"ekf_p_factor": 2.0} if "new start" in defect else {}
+    case = ekf_case(replace(Tuning(), **parameters), ekf_fte.closed_loop)
+    good = verify_quickly(load(str(SHEETS / "ekf_fte.yaml"), parameters=parameters), case)
+    assert good.passed, good.summary
+    report = verify_quickly(load(str(tmp_path / "sheets" / "ekf_fte.yaml"), parameters=parameters), case)
+    assert not report.passed
+    assert report.failures[0].quantity == first, report.summary
 
 
 @pytest.mark.parametrize("defect", DEFECTS)
