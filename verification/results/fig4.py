@@ -1,7 +1,7 @@
 """The paper's Fig. 4: all three airspeed sensors run away at -15 kt/s, 350 kt, 5000 ft, calm.
 
 What can be compared with the paper: CMHE-FTE condemns the three sensors within seconds, because the wind that would
-explain the fault is beyond its bound; UMHE-FTE takes the fault for wind and follows it.
+explain the fault is beyond its bound; UMHE-FTE and EKF-FTE take the fault for wind and follow it.
 
     python -m verification.results.fig4
 """
@@ -66,9 +66,9 @@ def fig4(sheet: str, seeds: tuple[int, ...] = (1, 2, 3)) -> tuple[Fig4, ...]:
 
 
 def main() -> None:
-    """Print both sheets."""
+    """Print the three sheets."""
     period = load_recording(FLIGHT).period
-    for sheet in ("cmhe_fte", "umhe_fte"):
+    for sheet in ("cmhe_fte", "umhe_fte", "ekf_fte"):
         for one in fig4(sheet):
             if one.delay_frames is None:
                 delay = "not detected in 25 s"

@@ -19,3 +19,11 @@ def test_umhe_does_not_detect_within_370_frames():
     for one in fig4("umhe_fte"):
         assert one.first_frames is None or one.first_frames > NOT_WITHIN
         assert one.vc_error > 200.0  # kt: it follows the fault and calls it wind
+
+
+def test_ekf_does_not_detect_within_370_frames_either():
+    """The paper: the same reason, and the same failure, as UMHE-FTE's."""
+    for one in fig4("ekf_fte"):
+        assert one.first_frames is None or one.first_frames > NOT_WITHIN
+        assert one.wrong == 0
+        assert one.vc_error > 200.0
