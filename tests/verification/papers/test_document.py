@@ -97,3 +97,13 @@ def test_modules_are_found_by_name_in_the_order_of_the_papers():
     order = list(document.PAPERS)
     found = [module.paper for module in modules()]
     assert found == sorted(found, key=order.index)
+
+
+def test_the_shipped_document_is_what_its_findings_say():
+    """README.md is written from findings.json; its pictures are there, and no other."""
+    folder = Path(__file__).parents[3] / "docs" / "papers"
+    found = read_findings(folder)
+    assert (folder / "README.md").read_text(encoding="utf-8") == markdown(found)
+    pictures = [name for one in found for name in one.pictures]
+    assert sorted(pictures) == sorted(path.name for path in folder.glob("*.png"))
+    assert all((folder / name).stat().st_size < 150_000 for name in pictures)

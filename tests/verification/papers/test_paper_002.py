@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from verification.papers import double_mhe_runs, paper_002
-from verification.papers.document import markdown
+from verification.papers.document import markdown, read_findings
 from verification.papers.double_mhe_runs import LEVELS, cost, profile, windows
 from verification.papers.finding import Verdict
 from verification.plants.scalar_system import ScalarSystem
@@ -31,6 +33,12 @@ def test_the_verdicts(found):
     }
     assert "u = 5, 10, 20" in found["Table I: error from the true guess"].condition
     assert markdown(found.values()).count("### ") == 7
+
+
+def test_the_shipped_document_says_the_same(found):
+    shipped = read_findings(Path(__file__).parents[3] / "docs" / "papers")
+    verdicts = [(f.item, f.title, f.verdict) for f in shipped if f.paper == "002"]
+    assert verdicts == [(f.item, f.title, f.verdict) for f in found.values()]
 
 
 def test_verdicts_follow_the_numbers():

@@ -10,12 +10,18 @@ import pytest
 
 from verification.papers import paper_004, paper_004_sensitivity, paper_004_tables
 from verification.papers.air_data_runs import SCENARIOS, Jamming, Rate, Robustness, rates, runaway
-from verification.papers.document import DocumentError
+from verification.papers.document import DocumentError, read_findings
 from verification.papers.finding import Verdict
 
 
 def titled(findings):
     return {f"{f.item}: {f.title}": f for f in findings}
+
+
+def shipped():
+    """The verdicts of docs/papers."""
+    folder = Path(__file__).parents[3] / "docs" / "papers"
+    return {f"{f.item}: {f.title}": f.verdict for f in read_findings(folder) if f.paper == "004"}
 
 
 def test_the_verdicts_of_figures_3_to_6(tmp_path: Path):
@@ -33,6 +39,7 @@ def test_the_verdicts_of_figures_3_to_6(tmp_path: Path):
         "Fig. 6(b): a failure that upsets the flight": Verdict.NOT_HERE,
     }
     assert all((tmp_path / name).is_file() for f in found.values() for name in f.pictures)
+    assert verdicts.items() <= shipped().items()
 
 
 def test_the_verdicts_of_section_iv(tmp_path: Path):
@@ -42,6 +49,7 @@ def test_the_verdicts_of_section_iv(tmp_path: Path):
         "Theorem 1: the inequality": Verdict.FAILS,
         "Theorem 1: the number of bounds": Verdict.FAILS,
     }
+    assert {name: f.verdict for name, f in found.items()}.items() <= shipped().items()
 
 
 def test_the_wind_meets_its_bound_when_the_fault_is_as_large():
