@@ -37,12 +37,17 @@ class Update:
     x: Array  # (n, 2), what step 3 takes
 
 
-def update(last: Array, given: Information, tuning: Tuning, sign: float = 1.0) -> Update:
-    """Update the window `last` (N + 1, 2), with estimated noises, to the N + 2 outputs of `given`."""
+def update(
+    last: Array, given: Information, tuning: Tuning, sign: float = 1.0, *, holding: bool = True
+) -> Update:
+    """Update the window `last` (N + 1, 2), with estimated noises, to the N + 2 outputs of `given`.
+
+    Without ``holding`` every component moves by (26), as the paper prints it, and is projected afterwards.
+    """
     reference = np.vstack([last, step(last[-1], given.u[-1], tuning)])
     y_bar = reference[-1, 1]
     at = expand(reference, replace(given, y=np.append(given.y[:-1], y_bar)), tuning)
-    hold = held(reference, at.gradient, tuning)
+    hold = held(reference, at.gradient, tuning) & holding
     push = np.zeros_like(reference)
     push[-1, 1] = sign * tuning.R * (given.y[-1] - y_bar)  # -1/2 of d2J/dx dy_t, times y_t - y_bar_t
     updated = saturate(reference + step_of(at.hessian, push, hold), tuning.lower, tuning.upper)

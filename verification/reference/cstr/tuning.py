@@ -30,7 +30,7 @@ class Tuning:
     x_cw: float = quantity(0.38, "1", PAPER)
     alpha: float = quantity(1.95e-4, "1", "Hicks and Ray (1971); printed 1.95e4")
     h: float = quantity(0.5, "1", CHOSEN + "theta/40; plants/cstr.py says why")
-    u_max: float = quantity(1500.0, "1", CHOSEN + "four times the flow of the set-points")
+    u_max: float = quantity(2000.0, "1", CHOSEN + "five times the flow of the set-points")
 
     # The estimator
     N: int = count(3, PAPER + ": transitions of the window, N + 1 samples")
