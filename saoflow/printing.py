@@ -54,7 +54,8 @@ def _budget(report: BudgetReport, console: Console, depth: int, least: float) ->
     limit = next((line.limit for line in report.lines if line.kind == "operations"), None)
     share = "" if not limit else f" of {_number(limit)} ({_percent(report.total, limit)})"
     period = "" if report.period is None else f", every {report.period:g} s"
-    console.print(Text(f"{report.sheet}: {_number(report.total)} operations a frame{share}{period}", style="bold"))
+    which = f" in frame {report.worst}, the dearest of {len(report.frames)}" if report.frames else " a frame"
+    console.print(Text(f"{report.sheet}: {_number(report.total)} operations{which}{share}{period}", style="bold"))
     kinds = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for title in ("kind", "used", "limit", "", ""):
         kinds.add_column(title, justify="right" if title in ("used", "limit") else "left", no_wrap=True)
@@ -65,6 +66,8 @@ def _budget(report: BudgetReport, console: Console, depth: int, least: float) ->
         over = "OVER BUDGET" if line.over else ""
         kinds.add_row(*(Text(cell, style) for cell in (line.kind, _number(line.used), allowed, bar, over)))
     console.print(kinds)
+    if report.rates:
+        console.print(_rate_table(report))
     if report.tree.parts and depth:
         console.print(_tree_table(report, depth, least))
     if report.tables:
@@ -97,6 +100,37 @@ def _tree_table(report: BudgetReport, depth: int, least: float) -> object:
         cells = ("  " * line.level + line.name, _number(line.operations), f"{100 * share:.1f} %", _bar(share), each)
         table.add_row(*map(Text, cells))
     return table
+
+
+MOST_FRAMES = 32
+"""Frames of a hyperperiod that are shown one by one."""
+
+
+def _rate_table(report: BudgetReport) -> object:
+    """What runs when, and what each frame of the hyperperiod costs."""
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("own rate", no_wrap=True, overflow="ellipsis", min_width=24)
+    for title in ("every", "offset"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for rate in report.rates:
+        chosen = "chosen to balance the frames" if rate.balanced else ""
+        table.add_row(*map(Text, (rate.path, str(rate.every), str(rate.offset), chosen)))
+    frames = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    frames.add_column("frame", justify="right")
+    frames.add_column("operations", justify="right", no_wrap=True)
+    frames.add_column("", no_wrap=True)
+    shown = list(enumerate(report.frames))
+    if len(shown) > MOST_FRAMES:
+        shown = sorted(shown, key=lambda frame: (-frame[1], frame[0]))[:MOST_FRAMES]
+    for number, cost in shown:
+        frames.add_row(*map(Text, (str(number), _number(cost), _bar(cost / max(1, report.total)))))
+    left = len(report.frames) - len(shown)
+    return Group(table, frames, *([Text(f"{left} frames that cost no more")] if left else []))
 
 
 def _lookup_table(report: BudgetReport) -> object:

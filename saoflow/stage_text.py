@@ -154,7 +154,8 @@ def _operation(op: Operation) -> str:
     if op.kind is Kind.WRITE:
         return f"write s{op.detail} = {operands[0]}"
     if op.kind is Kind.CALL:
-        return f"{results} = call p{op.detail}({', '.join(operands)})"
+        held = "" if op.guard is None else f" if v{op.guard} else {', '.join(map(_atom, op.otherwise))}"
+        return f"{results} = call p{op.detail}({', '.join(operands)}){held}"
     if op.kind is Kind.LOOKUP:
         return f"{results} = lookup t{op.detail}({', '.join(operands)})"
     if op.kind in (Kind.LESS, Kind.LESS_EQUAL):

@@ -14,6 +14,7 @@ from saoflow.codegen.tree import (
     Cast,
     Compound,
     Conditional,
+    Element,
     Expression,
     Function,
     Integer,
@@ -49,6 +50,10 @@ class Dialect(Protocol):
         """The value of an operation; ``boolean``: whether the result is one."""
         ...
 
+    def whether(self, guard: Expression) -> Expression:
+        """The condition of an ``if`` from a boolean that is the same in all flights."""
+        ...
+
 
 class Scalar:
     """Plain C99: ``double`` or ``float``, and ``_Bool``."""
@@ -81,6 +86,10 @@ class Scalar:
             case _:
                 assert kind is Kind.SELECT
                 return Conditional(operands[0], operands[1], operands[2])
+
+    def whether(self, guard: Expression) -> Expression:
+        """The boolean."""
+        return guard
 
 
 class Lanes:
@@ -119,6 +128,10 @@ class Lanes:
             case _:
                 assert kind is Kind.SELECT
                 return Call("chosen_mask" if boolean else "chosen", tuple(operands))
+
+    def whether(self, guard: Expression) -> Expression:
+        """The first lane's mask."""
+        return Binary("!=", Element(guard, Integer(0)), Integer(0))
 
     def items(self) -> tuple[Item, ...]:
         """The types, and the helpers."""

@@ -40,6 +40,7 @@ from saoflow.codegen.tree import (
     StructField,
     Trace,
     Variable,
+    When,
 )
 from saoflow.operations import Atom, Kind, Literal
 from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody, ProgramPort
@@ -288,18 +289,21 @@ class _Generator:
     def _call(self, body: ProgramBody, op: Operation, number: int, trace: Trace, read: set[Atom]) -> list[Statement]:
         arguments = tuple(self._atom(a) for a in op.operands)
         name = self.procedures[op.detail]
-        if len(op.results) == 1:
+        if len(op.results) == 1 and op.guard is None:
             (result,) = op.results
             kind = f"const {self._type(body.booleans[result])}"
             return [Declare(kind, f"v{result}", Call(name, arguments), trace)]
         statements: list[Statement] = []
         results: list[Statement] = []
         counts = [0, 0]
-        for result in op.results:
+        held: list[Statement] = []
+        for k, result in enumerate(op.results):
             boolean = body.booleans[result]
             array = Variable(f"{'q' if boolean else 'r'}{number}")
             source = Element(array, Integer(counts[boolean], True))
             counts[boolean] += 1
+            if op.guard is not None:
+                held.append(Assign(source, self._atom(op.otherwise[k]), trace))
             if result in read:
                 results.append(Declare(f"const {self._type(boolean)}", f"v{result}", source, trace))
         for which, count in enumerate(counts):
@@ -307,7 +311,14 @@ class _Generator:
                 array = Variable(f"{'q' if which else 'r'}{number}")
                 statements.append(DeclareArray(self._type(bool(which)), array.name, count, trace))
                 arguments += (array,)
-        return [*statements, Do(Call(name, arguments), trace), *results]
+        call: Statement = Do(Call(name, arguments), trace)
+        if op.guard is None:
+            return [*statements, call, *results]
+        if len(op.results) == 1:  # its procedure returns the value
+            target = Variable(f"{'q' if counts[1] else 'r'}{number}")
+            call = Assign(Element(target, Integer(0, True)), Call(name, arguments[:-1]), trace)
+        runs = When(self.dialect.whether(self._atom(op.guard)), (call,))
+        return [*statements, *held, runs, *results]
 
     def _value(self, body: ProgramBody, op: Operation) -> Expression:
         operands = [self._atom(a) for a in op.operands]
@@ -328,7 +339,7 @@ class _Generator:
 
 def _read(body: ProgramBody) -> set[Atom]:
     """What the operations and results of a body read."""
-    return {a for op in body.operations for a in op.operands} | set(body.results)
+    return {a for op in body.operations for a in op.reads} | set(body.results)
 
 
 def _element(base: Expression, wire_type: WireType, k: int) -> Expression:

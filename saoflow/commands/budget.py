@@ -53,6 +53,7 @@ def budget(
 
     Example: saoflow budget cmhe_fte --target mpc755 --clock 400 --share 0.1
     """
+    from saoflow.scheduler.rate_frames import frame_of
     from saoflow.targets import find_target, frame_cost
     from saoflow.targets.print_cost import print_cost
 
@@ -75,7 +76,13 @@ def budget(
     cost = None
     if processor is not None and sheet is not None:
         cost = findings.attempt(
-            lambda: frame_cost(sheet.frame_program, processor, clock_mhz=clock, period=report.period, share=share)
+            lambda: frame_cost(
+                frame_of(sheet.frame_program, report.worst),
+                processor,
+                clock_mhz=clock,
+                period=report.period,
+                share=share,
+            )
         )
         if cost is None:
             finish(findings.found, json)

@@ -23,6 +23,17 @@ POISON = -1
 
 
 @dataclass(frozen=True, slots=True)
+class Rate:
+    """When a node runs: in frames ``offset``, ``offset + every``, ...; between runs its outputs keep their values."""
+
+    every: int
+    offset: int | None
+    """None: chosen to balance the frames."""
+    held: float
+    """What real outputs are before the first run; boolean ones are false."""
+
+
+@dataclass(frozen=True, slots=True)
 class Node:
     """One block: a symbol, or a call of a stateless sheet. ``path`` is its path inside its body: ``stages[1].K``."""
 
@@ -37,6 +48,8 @@ class Node:
     outputs: tuple[int, ...]
     declared: InputPort | OutputPort | None = None
     """The port of a sheet laid out in place that this wiring stands for: its declaration is checked here."""
+    rate: Rate | None = None
+    """Of a called sheet, which may then hold state: the frames in which it runs. None: every frame."""
 
     @property
     def feeds_through(self) -> bool:

@@ -10,12 +10,14 @@ from saoflow.diagrams.sheet import (
     Connection,
     IterationDeclaration,
     Named,
+    RateDeclaration,
 )
 from saoflow.diagrams.yaml_text import Mapping, Node, Scalar, Sequence, short
 
 Block = BlockDeclaration | IterationDeclaration
 
-_RESERVED = ("every", "offset")
+_RATE = ("every", "offset", "transition", "held")
+"""Keys of a block that runs at a rate of its own; without ``every``, the last two are arguments like others."""
 _HOW = "write `name: {symbol: [wires], key: value}`"
 
 
@@ -59,11 +61,41 @@ def _block(values: ValueReader, key: Scalar, node: Node) -> Block | None:
         return _iteration(values, name or values.named(key), node)
     first, operands = node.entries[0]
     symbol = values.name(first, "a symbol or sheet")
-    arguments, doc = _arguments(values, node.entries[1:])
+    rate, rest = _rate(values, node.entries[1:])
+    arguments, doc = _arguments(values, rest)
     connections = _operands(values, first, operands)
     if name is None or symbol is None:
         return None
-    return BlockDeclaration(name, symbol, connections, arguments, doc)
+    return BlockDeclaration(name, symbol, connections, arguments, doc, rate)
+
+
+def _rate(
+    values: ValueReader, entries: list[tuple[Scalar, Node]]
+) -> tuple[RateDeclaration | None, list[tuple[Scalar, Node]]]:
+    """The rate of a block, and the entries that are not about it."""
+    found = {key.value: (key, node) for key, node in entries if key.value in _RATE}
+    if "every" not in found:
+        return None, entries
+    rest = [(key, node) for key, node in entries if key.value not in _RATE]
+    key, node = found["every"]
+    every = values.expression(node, "`every`")
+    offset = held = None
+    automatic = False
+    if "offset" in found:
+        at = found["offset"][1]
+        automatic = type(at) is Scalar and at.value == "auto"
+        if not automatic:
+            offset = values.expression(at, "`offset`")
+    if "held" in found:
+        held = values.expression(found["held"][1], "`held`")
+    transition = None
+    if "transition" in found:
+        transition = values.choice(found["transition"][1], "transition", ("hold", "delay"))
+        if transition is None:
+            return None, rest
+    if every is None:
+        return None, rest
+    return RateDeclaration(every, values.named(key).position, offset, automatic, transition, held), rest
 
 
 def _operands(values: ValueReader, symbol: Scalar, node: Node) -> tuple[Connection, ...]:
@@ -88,8 +120,8 @@ def _arguments(values: ValueReader, entries: list[tuple[Scalar, Node]]) -> tuple
     for key, node in entries:
         if key.value == "doc":
             doc = values.word(node, "`doc`") or ""
-        elif key.value in _RESERVED:
-            _reserved(values, key)
+        elif key.value in ("every", "offset"):
+            _no_rate(values, key)
         else:
             argument = values.argument(key, node)
             if argument is not None:
@@ -97,13 +129,17 @@ def _arguments(values: ValueReader, entries: list[tuple[Scalar, Node]]) -> tuple
     return tuple(found), doc
 
 
-def _reserved(values: ValueReader, key: Scalar) -> None:
+def _no_rate(values: ValueReader, key: Scalar) -> None:
+    if key.value == "offset":
+        cause = "an offset says in which of every n frames a block runs, and the block has no `every`"
+        values.report("E224", "`offset` without `every`", key, cause, "add `every: n`, or remove `offset`")
+        return
     values.report(
-        "E106",
-        f"the key `{key.value}` is reserved",
+        "E224",
+        "a fold or map cannot have a rate of its own",
         key,
-        "it is kept for blocks that run every n-th frame; in this version every block runs in every frame",
-        "remove it",
+        "`every` is for a block of a sheet",
+        "put the fold or map into a sheet, and give the block of that sheet the rate",
     )
 
 

@@ -84,6 +84,23 @@ class Connection:
 
 
 @dataclass(frozen=True, slots=True)
+class RateDeclaration:
+    """``every: n`` of a block, with ``offset``, ``transition`` and ``held``."""
+
+    every: Expression
+    position: Position
+    """Of the key ``every``."""
+    offset: Expression | None
+    """None: not stated, which is 0, or ``auto``."""
+    automatic: bool
+    """``offset: auto``: saoflow chooses it."""
+    transition: Named | None
+    """``hold`` or ``delay``; None: not stated, which is diagnosed."""
+    held: Expression | None
+    """What the outputs are before the first run; None: 0."""
+
+
+@dataclass(frozen=True, slots=True)
 class BlockDeclaration:
     """``name: {symbol: operands, key: value...}``; the symbol may be a sheet."""
 
@@ -92,6 +109,7 @@ class BlockDeclaration:
     operands: tuple[Connection, ...]
     arguments: tuple[Argument, ...]
     doc: str
+    rate: RateDeclaration | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from saoflow.diagrams.iteration import Iteration
 from saoflow.diagrams.netlist import POISON, Node, OutputPort, Structure
 from saoflow.diagrams.operands import Operands
 from saoflow.diagrams.parameters import ParameterValues, key_of, settle
+from saoflow.diagrams.rates import place_at_rate, rate_of
 from saoflow.diagrams.scope import POISONED, Ports, Scope
 from saoflow.diagrams.sheet import Argument, BlockDeclaration, Connection, IterationDeclaration, Named, Sheet
 from saoflow.diagrams.splice import splice
@@ -183,6 +184,14 @@ class SheetBuilder:
         if isinstance(target, Sheet):
             self._place_sheet(block, target, operands, wires)
             return
+        if block.rate is not None:
+            self.scope.report(
+                "E224",
+                f"the symbol `{target.name}` cannot have a rate of its own",
+                block.rate.position,
+                "`every` is for a block of a sheet",
+                "put what runs more seldom into a sheet, and give the block of that sheet the rate",
+            )
         if not self._profile_allows(target.name, block.symbol):
             return
         connections, arguments = split_arguments(block, {p.name for p in target.ports})
@@ -242,7 +251,25 @@ class SheetBuilder:
         if structure is None or resolved is None or missing or byport is None:
             return
         positions = {p: e.position for p, e in byport.items()}
+        if block.rate is not None:
+            self._place_at_rate(block, structure, resolved, positions, wires)
+            return
         self.instantiate(block.name.text, block.name.position, structure, resolved, positions, wires)
+
+    def _place_at_rate(
+        self,
+        block: BlockDeclaration,
+        structure: Structure,
+        wires_by_port: dict[str, int],
+        positions: dict[str, Position],
+        outputs: dict[str, int],
+    ) -> None:
+        rate = rate_of(self.scope, block)
+        if rate is None or POISON in wires_by_port.values():
+            return
+        node = self._called(block.name.text, block.name.position, structure, wires_by_port, positions, outputs)
+        if place_at_rate(self.scope, block, rate, structure, node):
+            self.stateful = True
 
     def child(
         self, sheet: Sheet, arguments: Sequence[Argument], used: Named, extra: Mapping[str, Quantity]
@@ -278,23 +305,32 @@ class SheetBuilder:
     ) -> None:
         if POISON in wires_by_port.values():
             return
-        order = [port.name for port in structure.inputs]
         if structure.stateful:
             self.stateful = True
             self.scope.nodes += splice(path, structure, self.scope.wire_count, wires_by_port, positions, outputs)
             self.scope.wire_count += structure.wire_count
             return
-        self._add(
-            Node(
-                path,
-                position,
-                None,
-                None,
-                structure,
-                tuple(wires_by_port[name] for name in order),
-                tuple(positions.get(name) for name in order),
-                tuple(outputs[port.name] for port in structure.outputs),
-            )
+        self._add(self._called(path, position, structure, wires_by_port, positions, outputs))
+
+    @staticmethod
+    def _called(
+        path: str,
+        position: Position,
+        structure: Structure,
+        wires_by_port: dict[str, int],
+        positions: dict[str, Position],
+        outputs: dict[str, int],
+    ) -> Node:
+        order = [port.name for port in structure.inputs]
+        return Node(
+            path,
+            position,
+            None,
+            None,
+            structure,
+            tuple(wires_by_port[name] for name in order),
+            tuple(positions.get(name) for name in order),
+            tuple(outputs[port.name] for port in structure.outputs),
         )
 
     def _iterate(self, block: IterationDeclaration) -> None:

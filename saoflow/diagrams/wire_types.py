@@ -104,7 +104,7 @@ class _StructureTyper:
         while True:
             self._input_types()
             stuck = self._spread()
-            calls = [i for i in stuck if self.structure.nodes[i].child is not None]
+            calls = [i for i in stuck if self.structure.nodes[i].child is not None and self.structure.nodes[i].rate is None]
             in_loop = self._in_loops(stuck) if calls else set()
             dissolve = {i for i in calls if i in in_loop}
             if not dissolve:

@@ -59,6 +59,7 @@ def _block(b: Block, line: str) -> dict[str, Any]:
         "call": b.call,
         "count": b.count,
         "ft": int(b.feeds_through),
+        "rate": b.rate,
         "tab": [list(axis) for axis in b.table],
     }
 

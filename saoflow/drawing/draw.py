@@ -282,6 +282,7 @@ class _BodyDrawer:
             inside,
             node.path if node is not None and len(group) == 1 else "",
             len(group),
+            rate=_rate(node),
         )
 
     def _inside(self, path: str, node_number: int | None) -> int:
@@ -406,6 +407,13 @@ def _wires_made(
         for k, wires in enumerate(ports):
             made.update((wire, Source(number, k)) for wire in wires)
     return made
+
+
+def _rate(node: Node | None) -> str:
+    """In which frames a block runs, if not in all."""
+    if node is None or node.rate is None:
+        return ""
+    return f"every {node.rate.every}" + (f" from {node.rate.offset}" if node.rate.offset else "")
 
 
 def _ends(node: Node) -> tuple[tuple[float, float], ...]:

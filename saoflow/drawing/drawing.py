@@ -66,6 +66,8 @@ class Block:
     count: int = 1
     """Instances of a stack."""
     feeds_through: bool = True
+    rate: str = ""
+    """``every 2 from 1``, of what runs at a rate of its own."""
     table: tuple[tuple[float, float], ...] = ()
     """Of a table: the ends of its axes."""
 

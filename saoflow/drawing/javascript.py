@@ -135,7 +135,9 @@ def _statements(body: ProgramBody, layout: _Layout, base: str) -> Iterable[str]:
             continue
         if op.kind is Kind.CALL:
             given = ",".join([*operands, "T", f"{base}{layout.bases[number]}"])
-            yield f"const r{number}=p{op.detail}({given});"
+            held = "" if op.guard is None else f":[{_listed(op.otherwise)}]"
+            when = "" if op.guard is None else f"{_text(op.guard)}?"
+            yield f"const r{number}={when}p{op.detail}({given}){held};"
             for k, value in enumerate(op.results):
                 yield f"const v{value}=r{number}[{k}];"
             continue

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Note, Position
 from saoflow.diagrams.netlist import Netlist
 from saoflow.operations import COUNTED_KINDS, Kind
-from saoflow.scheduler.counts import CountTree, count
-from saoflow.scheduler.program import FrameProgram
+from saoflow.scheduler.counts import CountTree, count, frame_loads
+from saoflow.scheduler.program import FrameProgram, RunRate
+from saoflow.scheduler.rate_frames import frame_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,15 @@ class BudgetReport:
     procedures: int
     tables: tuple[TableCost, ...]
     position: Position | None
+    frames: tuple[int, ...] = ()
+    """Operations of every frame of the hyperperiod; the tree is that of the dearest. Empty: all frames are alike."""
+    rates: tuple[RunRate, ...] = ()
+    """What runs at a rate of its own."""
+
+    @property
+    def worst(self) -> int:
+        """The dearest frame of the hyperperiod, from 0; its first, if several cost the same."""
+        return self.frames.index(max(self.frames)) if self.frames else 0
 
     @property
     def total(self) -> int:
@@ -100,6 +110,8 @@ class BudgetReport:
             "period_s": self.period,
             "lines": [{"kind": x.kind, "used": x.used, "limit": x.limit, "over": x.over} for x in self.lines],
             "tree": self.tree.to_dict(),
+            "frames": list(self.frames),
+            "rates": [{"path": r.path, "every": r.every, "offset": r.offset, "balanced": r.balanced} for r in self.rates],
             "state_slots": self.state_slots,
             "procedures": self.procedures,
             "tables": [
@@ -109,7 +121,8 @@ class BudgetReport:
         }
 
     def __str__(self) -> str:
-        out = [f"{self.sheet}: {self.total} operations a frame"]
+        which = f" in frame {self.worst}, the dearest of {len(self.frames)}" if self.frames else " a frame"
+        out = [f"{self.sheet}: {self.total} operations{which}"]
         for line in self.lines:
             limit = "" if line.limit is None else f" of {line.limit:g}{'  OVER BUDGET' if line.over else ''}"
             out.append(f"  {line.kind:<12}{line.used:>8}{limit}")
@@ -124,11 +137,14 @@ def _of(tree: CountTree, kind: str) -> int:
 
 def budget_report(program: FrameProgram, netlist: Netlist) -> BudgetReport:
     """Count a program against the budget of its root sheet."""
+    loads, rates = frame_loads(program), program.rates
+    frames = loads["operations"]
+    program = frame_of(program, frames.index(max(frames)))
     tree = count(program)
     declared = netlist.root.structure.budget
     limits = dict(declared.limits) if declared is not None else {}
-    kinds = ["operations", *(kind for kind in COUNTED_KINDS if tree.kinds[kind] or kind in limits)]
-    lines = tuple(BudgetLine(kind, _of(tree, kind), limits.get(kind)) for kind in kinds)
+    kinds = ["operations", *(kind for kind in COUNTED_KINDS if kind in loads or kind in limits)]
+    lines = tuple(BudgetLine(kind, max(loads.get(kind, [0])), limits.get(kind)) for kind in kinds)
     uses = [0] * len(program.tables)
     for body, times in _times(program):
         for op in body:
@@ -151,6 +167,8 @@ def budget_report(program: FrameProgram, netlist: Netlist) -> BudgetReport:
         len(program.procedures),
         tables,
         None if declared is None else declared.position,
+        tuple(frames) if rates else (),
+        rates,
     )
 
 

@@ -56,6 +56,8 @@ class CountingRun:
                 values[op.results[0]] = self.state[op.detail]
             elif op.kind is Kind.WRITE:
                 stored[op.detail] = operands[0]
+            elif op.guard is not None and not values[op.guard]:
+                values.update(zip(op.results, map(value, op.otherwise), strict=True))
             elif op.kind is Kind.CALL:
                 path = f"{prefix}{body.origins[op.origin].path}."
                 found = self._execute(self.program.procedures[op.detail], operands, path, stored)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from saoflow.operations import COUNTED_KINDS, Kind
 from saoflow.scheduler.program import FrameProgram, ProgramBody
@@ -71,6 +74,35 @@ def count(program: FrameProgram) -> CountTree:
         root.kinds.update(tree.kinds)
         _merge(root, tree)
     return root
+
+
+def frame_loads(program: FrameProgram) -> dict[str, list[int]]:
+    """``operations`` and each kind in every frame of the hyperperiod; a frame is one number where all are alike."""
+    trees: list[CountTree] = []
+    for body in program.procedures:
+        trees.append(_count_body(body, trees))
+    rates = {rate.path: rate for rate in program.rates}
+    loads: dict[str, np.ndarray] = {"operations": np.zeros(program.hyperperiod, dtype=np.int64)}
+    for group in program.groups:
+        for op in group.body.operations:
+            kinds = trees[op.detail].kinds if op.kind is Kind.CALL else Counter({op.kind.counted_as: 1})
+            rate = None if op.guard is None else rates[group.body.origins[op.origin].path]
+            runs = slice(None) if rate is None else slice(rate.offset, None, rate.every)
+            for kind, n in kinds.items():
+                if kind:
+                    loads.setdefault(kind, np.zeros(program.hyperperiod, dtype=np.int64))[runs] += n
+                    loads["operations"][runs] += n
+    return {kind: load.tolist() for kind, load in loads.items()}
+
+
+def count_procedures(procedures: Sequence[ProgramBody]) -> list[int]:
+    """The operations of each procedure with all that it calls; each calls earlier ones only."""
+    totals: list[int] = []
+    for body in procedures:
+        totals.append(
+            sum(totals[op.detail] if op.kind is Kind.CALL else bool(op.kind.counted_as) for op in body.operations)
+        )
+    return totals
 
 
 def _count_body(body: ProgramBody, procedures: list[CountTree]) -> CountTree:

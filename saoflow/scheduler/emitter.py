@@ -80,9 +80,17 @@ class Emitter:
         """Boolean or real."""
         return isinstance(atom.value, bool) if isinstance(atom, Literal) else self.booleans[atom]
 
-    def raw(self, kind: Kind, operands: tuple[Atom, ...], results: tuple[int, ...], detail: int) -> None:
+    def raw(
+        self,
+        kind: Kind,
+        operands: tuple[Atom, ...],
+        results: tuple[int, ...],
+        detail: int,
+        guard: int | None = None,
+        otherwise: tuple[Atom, ...] = (),
+    ) -> None:
         """Append an operation as it is."""
-        self.operations.append(Operation(kind, results, operands, detail, self._origin))
+        self.operations.append(Operation(kind, results, operands, detail, self._origin, guard, otherwise))
 
     def literal(self, value: float | bool) -> Literal:
         """A constant, rounded to the real type of the program."""

@@ -36,7 +36,7 @@ class Interpreter:
 def scalar_interpreter(program: FrameProgram, exact: bool = False) -> Interpreter:
     """For one flight in binary64."""
     assert program.real == 64
-    names: dict[str, Any] = {"rz": _reciprocal_of_zero}
+    names: dict[str, Any] = {"rz": _reciprocal_of_zero, "on": bool}
     for i, table in enumerate(program.tables):
         names[f"t{i}"] = _exact_scalar(table) if exact else _prepared(table, np.float64).scalar_function()
     frames = _compile(program, names, scalar=True)
@@ -46,7 +46,7 @@ def scalar_interpreter(program: FrameProgram, exact: bool = False) -> Interprete
 def array_interpreter(program: FrameProgram, exact: bool = False) -> Interpreter:
     """For a batch, in the real type of the program."""
     real = np.float64 if program.real == 64 else np.float32
-    names: dict[str, Any] = {"where": np.where, "one": real(1.0)}
+    names: dict[str, Any] = {"where": np.where, "one": real(1.0), "on": _on}
     for i, table in enumerate(program.tables):
         names[f"t{i}"] = _exact_array(table, real) if exact else _prepared(table, real).array_function()
     frames = _compile(program, names, scalar=False)
@@ -75,6 +75,11 @@ def _prepared(table: Table, real: type[np.floating[Any]]) -> Any:
         raise DiagnosisError(
             [Diagnosis(problem.code, problem.message, cause=problem.cause, remedy=problem.remedy)]
         ) from None
+
+
+def _on(guard: Any) -> bool:
+    """Whether what has a rate runs in this frame: in all flights of a batch alike."""
+    return bool(np.ravel(guard)[0])
 
 
 def _reciprocal_of_zero(x: float) -> float:

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 from saoflow.blocks.delay import Delay
 from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
+from saoflow.diagrams.netlist import Node
 from saoflow.operations import Atom, Kind, Literal, Tensor
 from saoflow.scheduler.emitter import Emitter, TableNumbers
+from saoflow.scheduler.guarded_call import Cut, GuardedCalls
 from saoflow.scheduler.program import FrameProgram, Origin, ProgramBody, ProgramPort, RateGroup, StateSlot, TracedScope
 from saoflow.scheduler.schedule import Schedule
 
@@ -63,6 +65,9 @@ class _Lowering:
         self.procedures: list[ProgramBody] = []
         self.states: list[StateSlot] = []
         self.probed: dict[str, ProgramPort] = {}
+        self.guarded = GuardedCalls(self.states, self.procedures)
+        self._cut: Cut | None = None
+        """Where the state goes of what is being lowered, if that runs at a rate of its own."""
         self._made: dict[tuple[int, Pattern], _Procedure | None] = {}
         self._call_sites = _call_sites(schedule)
 
@@ -75,6 +80,7 @@ class _Lowering:
             tensor = Tensor(wire_type.shape, tuple(emit.parameter(wire_type.boolean) for _ in range(wire_type.size)))
             inputs.append(ProgramPort(port.name, wire_type, tensor, port.doc))
         tensors = self._lower(self.root, tuple(port.tensor for port in inputs), emit, "", "")
+        rates = self.guarded.finish(emit)
         outputs = tuple(
             ProgramPort(port.name, body.type_of(port.wire), tensor, port.doc)
             for port, tensor in zip(body.structure.outputs, tensors, strict=True)
@@ -92,6 +98,7 @@ class _Lowering:
             tuple(inputs),
             outputs,
             probes,
+            rates,
         )
 
     def _lower(
@@ -120,7 +127,10 @@ class _Lowering:
                 tensors[node.outputs[0]] = node.symbol.expand(operands, output, node.configuration, emit)
             else:
                 given = tuple(t for t in operands if t is not None)
-                results = self._call(child, given, emit, path, full + node.path, node.position)
+                if node.rate is None:
+                    results = self._call(child, given, emit, path, full + node.path, node.position)
+                else:
+                    results = self._run(child, node, given, emit, path, full + node.path)
                 tensors.update(zip(node.outputs, results, strict=True))
         for i, first in writes:
             self._write(schedule, i, first, emit, prefix, tensors)
@@ -139,13 +149,18 @@ class _Lowering:
         output = schedule.body.type_of(node.outputs[0])
         memory = node.configuration
         assert isinstance(node.symbol, Delay)
-        first = len(self.states)
+        states = self.states if self._cut is None else self._cut.slots
+        first = len(states)
         initial = node.symbol.initial_elements(memory, output)
         emit.at(Origin(prefix + node.path, node.position))
         for age in range(memory.frames):
             for element, value in enumerate(initial):
                 start = bool(value) if output.boolean else emit.literal(value).value
-                self.states.append(StateSlot(full + node.path, element, age, start, node.position))
+                states.append(StateSlot(full + node.path, element, age, start, node.position))
+        if self._cut is not None:
+            given = self._cut.given(first, emit, output.boolean)
+            tensors[node.outputs[0]] = Tensor(output.shape, given[: output.size])
+            return first
         atoms = []
         for element in range(output.size):
             number = emit.value(output.boolean)
@@ -164,6 +179,9 @@ class _Lowering:
         assert wire is not None
         emit.at(Origin(prefix + node.path, node.position))
         size = output.size
+        if self._cut is not None:
+            self._cut.take(first, size, tensors[wire].atoms)
+            return
         moved: list[Atom] = []
         for age in range(1, node.configuration.frames):
             for element in range(size):
@@ -213,19 +231,7 @@ class _Lowering:
         if found is not None:
             return found
         inner = Emitter(schedule.body.structure.sheet, self.tables, self.real, self.simplify)
-        formal: dict[int, int] = {}
-        tensors = []
-        for tensor, code in zip(inputs, pattern, strict=True):
-            atoms: list[Atom] = []
-            for atom, mark in zip(tensor.atoms, code, strict=True):
-                if isinstance(mark, Literal):
-                    atoms.append(mark)
-                    continue
-                if mark not in formal:
-                    formal[mark] = inner.parameter(emit.is_boolean(atom))
-                atoms.append(formal[mark])
-            tensors.append(Tensor(tensor.shape, tuple(atoms)))
-        outputs = self._lower(schedule, tuple(tensors), inner, "", f"{full}.")
+        outputs = self._lower(schedule, _formal(pattern, inputs, emit, inner), inner, "", f"{full}.")
         given = set(inner.parameters)
         computed = dict.fromkeys(a for t in outputs for a in t.atoms if isinstance(a, int) and a not in given)
         procedure = _Procedure(len(self.procedures), inner.body(tuple(computed)), outputs)
@@ -233,6 +239,30 @@ class _Lowering:
             self.procedures.append(procedure.body)
         self._made[key] = procedure
         return procedure
+
+    # -- what runs at a rate of its own
+
+    def _run(
+        self, schedule: Schedule, node: Node, inputs: tuple[Tensor, ...], emit: Emitter, path: str, full: str
+    ) -> tuple[Tensor, ...]:
+        """A guarded call: a procedure of its own, its state and its held outputs in the frame's state."""
+        assert node.rate is not None and self._cut is None
+        pattern, actual = _pattern(inputs)
+        inner = Emitter(schedule.body.structure.sheet, self.tables, self.real, self.simplify)
+        before = set(self.probed)
+        self._cut = cut = Cut()
+        outputs = self._lower(schedule, _formal(pattern, inputs, emit, inner), inner, "", f"{full}.")
+        self._cut = None
+        probed = [self.probed[name] for name in self.probed if name not in before]
+        named = [
+            *((f"{full}.{port.name}", t) for port, t in zip(schedule.body.structure.outputs, outputs, strict=True)),
+            *((port.name, port.tensor) for port in probed),
+        ]
+        emit.at(Origin(path, node.position))
+        tensors = self.guarded.call(node, full, named, actual, inner, emit, cut)
+        for port, tensor in zip(probed, tensors[len(outputs) :], strict=True):
+            self.probed[port.name] = ProgramPort(port.name, port.type, tensor, port.doc)
+        return tensors[: len(outputs)]
 
     # -- probes
 
@@ -272,6 +302,23 @@ def _pattern(inputs: tuple[Tensor, ...]) -> tuple[Pattern, list[int]]:
         for tensor in inputs
     )
     return pattern, list(numbers)
+
+
+def _formal(pattern: Pattern, inputs: tuple[Tensor, ...], emit: Emitter, inner: Emitter) -> tuple[Tensor, ...]:
+    """The inputs of a procedure in terms of its own values: a parameter for each distinct one, literals as they are."""
+    formal: dict[int, int] = {}
+    tensors = []
+    for tensor, code in zip(inputs, pattern, strict=True):
+        atoms: list[Atom] = []
+        for atom, mark in zip(tensor.atoms, code, strict=True):
+            if isinstance(mark, Literal):
+                atoms.append(mark)
+                continue
+            if mark not in formal:
+                formal[mark] = inner.parameter(emit.is_boolean(atom))
+            atoms.append(formal[mark])
+        tensors.append(Tensor(tensor.shape, tuple(atoms)))
+    return tuple(tensors)
 
 
 def _call_sites(schedule: Schedule) -> dict[int, int]:

@@ -19,13 +19,24 @@ class Origin:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One scalar operation. ``detail``: table number of a look-up, slot of a read or write, procedure of a call."""
+    """One scalar operation. ``detail``: table number of a look-up, slot of a read or write, procedure of a call.
+
+    A call of what runs at a rate of its own has a ``guard``: where it is false, the results are ``otherwise``. Which frames
+    these are is fixed (:class:`RunRate`); no data decides it.
+    """
 
     kind: Kind
     results: tuple[int, ...]
     operands: tuple[Atom, ...]
     detail: int
     origin: int
+    guard: int | None = None
+    otherwise: tuple[Atom, ...] = ()
+
+    @property
+    def reads(self) -> tuple[Atom, ...]:
+        """Every atom that it reads: operands, guard and what stands in for its results."""
+        return self.operands if self.guard is None else (*self.operands, self.guard, *self.otherwise)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,11 +97,25 @@ class StateSlot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RateGroup:
-    """What runs every ``every`` frames from frame ``offset`` on. The first version has one group: every frame."""
+    """What runs every ``every`` frames from frame ``offset`` on: the frame body, which runs in every frame.
+
+    What runs more seldom is called from it, under a guard: :class:`RunRate`.
+    """
 
     every: int
     offset: int
     body: ProgramBody
+
+
+@dataclass(frozen=True, slots=True)
+class RunRate:
+    """When a guarded call runs: in frames ``offset``, ``offset + every``, ..."""
+
+    path: str
+    every: int
+    offset: int
+    balanced: bool
+    """Whether saoflow chose the offset."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +132,8 @@ class FrameProgram:
     inputs: tuple[ProgramPort, ...]
     outputs: tuple[ProgramPort, ...]
     probes: tuple[ProgramPort, ...]
+    rates: tuple[RunRate, ...] = ()
+    """Of the guarded calls, by path."""
 
     @property
     def bodies(self) -> tuple[ProgramBody, ...]:
@@ -118,4 +145,4 @@ class FrameProgram:
         """After how many frames the pattern of rate groups repeats."""
         import math
 
-        return math.lcm(*(group.every for group in self.groups))
+        return math.lcm(*(group.every for group in self.groups), *(rate.every for rate in self.rates))

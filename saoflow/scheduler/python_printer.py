@@ -142,7 +142,8 @@ class _BodyText:
         operands = [self.atom(a) for a in op.operands]
         if op.kind is Kind.CALL:
             if op.results:
-                lines.append(f" {_tuple(f'v{r}' for r in op.results)} = p{op.detail}({', '.join(operands)})")
+                held = "" if op.guard is None else f" if on({self.atom(op.guard)}) else {_tuple(map(self.atom, op.otherwise))}"
+                lines.append(f" {_tuple(f'v{r}' for r in op.results)} = p{op.detail}({', '.join(operands)}){held}")
             return
         if op.kind is Kind.LOOKUP:
             text = f"t{op.detail}({', '.join(operands)})"
@@ -161,7 +162,7 @@ def _uses(body: ProgramBody, dialect: Dialect) -> Counter[int]:
     uses: Counter[int] = Counter()
     for op in body.operations:
         weight = 2 if op.kind in dialect.twice or op.kind in (Kind.CALL, Kind.WRITE) else 1
-        for atom in op.operands:
+        for atom in op.reads:
             if isinstance(atom, int):
                 uses[atom] += weight
     for atom in body.results:

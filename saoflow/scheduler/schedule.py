@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,8 +34,32 @@ def order(netlist: Netlist) -> Schedule:
         return done[id(body)]
 
     root = schedule(netlist.root)
+    _check_rates(netlist, found)
     found.raise_if_errors()
     return root
+
+
+LONGEST = 100_000
+"""Frames of the longest hyperperiod: every one of them is counted."""
+
+
+def _check_rates(netlist: Netlist, found: Diagnoses) -> None:
+    """E224 if the rates of the root (all rates are the root's: what has one has state) repeat too seldom."""
+    slow = [(node, node.rate.every) for node in netlist.root.nodes if node.rate is not None]
+    frames = math.lcm(1, *(every for _, every in slow))
+    if frames > LONGEST:
+        node = slow[-1][0]
+        found.add(
+            Diagnosis(
+                "E224",
+                f"the rates repeat after {frames} frames only",
+                node.position,
+                f"every frame until then is counted, and at most {LONGEST} can be",
+                "choose rates that divide each other",
+                notes=tuple(Note(f"`{other.path}` runs every {every} frames", other.position) for other, every in slow[:6]),
+                source_line=netlist.sources.line(node.position),
+            )
+        )
 
 
 def _order_nodes(body: Body, found: Diagnoses, sources: SourceLines) -> tuple[int, ...]:

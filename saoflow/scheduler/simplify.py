@@ -25,7 +25,7 @@ def simplify(program: FrameProgram) -> FrameProgram:
 
 def _unread(body: ProgramBody) -> frozenset[int]:
     """Which parameters, by place, neither an operation nor a result reads."""
-    read = {atom for op in body.operations for atom in op.operands} | set(body.results)
+    read = {atom for op in body.operations for atom in op.reads} | set(body.results)
     return frozenset(i for i, value in enumerate(body.parameters) if value not in read)
 
 
@@ -77,7 +77,7 @@ def _live(body: ProgramBody, results: set[int], used: list[set[int]], called: li
         live = [i for i, value in enumerate(op.results) if value in needed]
         if not live and op.kind is not Kind.WRITE:
             continue
-        needed.update(atom for atom in op.operands if isinstance(atom, int))
+        needed.update(atom for atom in op.reads if isinstance(atom, int))
         if op.kind is Kind.CALL:
             used[op.detail].update(live)
             called[op.detail] = True
@@ -96,6 +96,7 @@ def _narrow_calls(body: ProgramBody, used: list[set[int]], renumbered: dict[int,
         else replace(
             op,
             results=tuple(value for i, value in enumerate(op.results) if i in used[op.detail]),
+            otherwise=tuple(atom for i, atom in enumerate(op.otherwise) if i in used[op.detail]),
             detail=renumbered[op.detail],
         )
         for op in body.operations

@@ -55,7 +55,7 @@ _BOOLEAN_RESULT = (Kind.LESS, Kind.LESS_EQUAL, *_LOGIC)
 def _validate_body(program: FrameProgram, body: ProgramBody, callable_below: int) -> None:
     known = set(body.parameters)
     for op in body.operations:
-        for atom in op.operands:
+        for atom in op.reads:
             if isinstance(atom, int) and atom not in known:
                 _fail(body.name, f"value {atom} is used before it is known ({op.kind.name})")
         if known.intersection(op.results):
@@ -68,6 +68,8 @@ def _validate_body(program: FrameProgram, body: ProgramBody, callable_below: int
             called = program.procedures[op.detail]
             if len(op.operands) != len(called.parameters) or len(op.results) != len(called.results):
                 _fail(body.name, f"a call of {called.name} has the wrong number of values")
+            if op.guard is not None and not (body.booleans[op.guard] and len(op.otherwise) == len(op.results)):
+                _fail(body.name, f"a guarded call of {called.name} does not say what its results are otherwise")
     for atom in body.results:
         if isinstance(atom, int) and atom not in known:
             _fail(body.name, f"result {atom} is never computed")

@@ -93,7 +93,7 @@ class _Sheet:
 
 REAL_BLOCKS = (
     "add", "mul", "saturation", "delay", "compare", "lookup", "plane", "inv2", "matrix", "symmetric", "stack", "select",
-    "transpose", "diagonal", "fold", "map", "lag", "decide",
+    "transpose", "diagonal", "fold", "map", "lag", "decide", "slow",
 )  # fmt: skip
 
 
@@ -179,5 +179,11 @@ def _draw_block(draw: st.DrawFn, sheet: _Sheet, name: str, what: str) -> None:
             sheet.add(name, f"map: lag, count: 2, each: {{u: {pick('real', (2,))}}}, gain: 0.1*(index + 1)", (2,))
         case "lag":
             sheet.add(name, f"lag: {pick('real', ())}", ())
+        case "slow":
+            every = draw(st.integers(1, 4))
+            offset = draw(st.sampled_from(["auto", *map(str, range(every))]))
+            rate = f"every: {every}, offset: {offset}, transition: {draw(st.sampled_from(['hold', 'delay']))}"
+            which = draw(st.sampled_from(["lag: {0}", "decide: [{0}, {1}]", "polynomial: [{0}, {1}]"]))
+            sheet.add(name, which.format(pick("real", ()), pick("real", ())) + f", {rate}, held: {number()}", ())
         case "decide":
             sheet.add(name, f"decide: [{pick('real', ())}, {pick('real', ())}]", ())

@@ -32,7 +32,7 @@
       svg += `<rect class="box under" x="8" y="-8" width="${w}" height="${h}" rx="5"/><rect class="box under" x="4" y="-4" width="${w}" height="${h}" rx="5"/>`;
     }
     svg += `<rect class="box" width="${w}" height="${h}" rx="5"/><path class="rule" d="M0 33H${w}"/>`;
-    const of = block.of === block.n ? "" : SAO.short(block.of, 28);
+    const of = [block.of === block.n ? "" : SAO.short(block.of, 28), block.rate].filter(Boolean).join(", ");
     svg += text(w / 2, of ? 16 : 21, SAO.short(block.n, 24) + (block.k === "stack" ? ` ×${block.count}` : ""), "title", "middle");
     if (of) svg += text(w / 2, 28, of, "of", "middle");
     block.i.forEach((p, k) => (svg += text(8, SAO.portHeight(block, node, k, 0) + 4, SAO.short(p.n, 18) + (p.c ? " ↻" : ""), "port")));
