@@ -88,8 +88,9 @@ def write_document(
     Raises OSError, and DocumentError if ``findings.json`` is not what this function wrote or a module errs.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    kept = [finding for finding in read_findings(folder) if only and finding.paper not in only]
+    read_findings(folder)  # another file is refused before the work
     new = made(modules(only), folder, short=short, progress=progress)
+    kept = [finding for finding in read_findings(folder) if only and finding.paper not in only]
     order = list(PAPERS)
     findings = sorted([*kept, *new], key=lambda finding: order.index(finding.paper))
     data = json.dumps([asdict(finding) for finding in findings], indent=1, ensure_ascii=False)
