@@ -77,6 +77,7 @@ CODES: dict[str, str] = {
     "E609": "the command line cannot be understood",
     "E610": "the sheet is too large for the stack",
     "E611": "there is not enough memory",
+    "E612": "a revision of the sheet cannot be had",
     "W607": "another backend or cache than asked for, or sources without a binary",
     "E699": "an error inside saoflow",
     # flights and sensors

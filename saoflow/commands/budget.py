@@ -18,10 +18,11 @@ from saoflow.commands.shell import (
     load_sheet,
     tell,
 )
-from saoflow.diagnosis import Diagnosis
+from saoflow.diagnosis import Diagnosis, refusal
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
+    from saoflow.scheduler.budget import BudgetReport
 
 
 def budget(
@@ -44,6 +45,14 @@ def budget(
     report_file: Annotated[
         str | None, typer.Option("--report", metavar="FILE", help="Write a page with a picture, too.", show_default=False)
     ] = None,
+    versus: Annotated[
+        str | None, typer.Option("--vs", metavar="SHEET", help="Show what changed from this sheet.", show_default=False)
+    ] = None,
+    versus_git: Annotated[
+        str | None,
+        typer.Option("--vs-git", metavar="REV", help="Show what changed since this revision of git.", show_default=False),
+    ] = None,
+    markdown: Annotated[bool, typer.Option("--markdown", help="With --vs or --vs-git: for a merge request.")] = False,
     everything: Annotated[bool, typer.Option("--all", help="Show small parts one by one, too.")] = False,
     json: Json = False,
 ) -> None:
@@ -52,6 +61,8 @@ def budget(
     Example: saoflow budget cmhe_fte --depth 2
 
     Example: saoflow budget cmhe_fte --target mpc755 --clock 400 --share 0.1
+
+    Example: saoflow budget my_sheet.yaml --vs-git main --markdown
     """
     from saoflow.scheduler.rate_frames import frame_of
     from saoflow.targets import find_target, frame_cost
@@ -89,6 +100,9 @@ def budget(
             raise typer.Exit(BAD_INPUT)
         findings.attempt(cost.raise_if_over)
     findings.attempt(report.raise_if_over)
+    if sheet is not None and (versus is not None or versus_git is not None):
+        _compare(sheet, report, versus, versus_git, markdown, findings, json)
+        return
     if report_file is not None and sheet is not None:
         _write_report(sheet, report_file, findings, json)
     if json:
@@ -103,6 +117,52 @@ def budget(
     tell(findings.found)
     if report.over or (cost is not None and cost.over):
         raise typer.Exit(exit_code(findings.found))
+
+
+def _compare(
+    sheet: LoadedSheet,
+    report: BudgetReport,
+    versus: str | None,
+    versus_git: str | None,
+    markdown: bool,
+    findings: Findings,
+    json: bool,
+) -> None:
+    """Tell what changed. What is compared with may be over its own budget."""
+    from saoflow.print_change import markdown as as_markdown
+    from saoflow.print_change import print_change
+    from saoflow.scheduler.budget_change import compare_budgets
+
+    before = findings.attempt(lambda: _before(sheet, versus, versus_git))
+    if before is None:
+        finish(findings.found, json)
+        raise typer.Exit(BAD_INPUT)
+    change = compare_budgets(before, report, versus or str(versus_git))
+    if json:
+        finish(findings.found, json, change.to_dict())
+        return
+    if markdown:
+        print(as_markdown(change))
+    else:
+        print_change(change, console())
+    tell(findings.found)
+    if report.over:
+        raise typer.Exit(exit_code(findings.found))
+
+
+def _before(sheet: LoadedSheet, versus: str | None, versus_git: str | None) -> BudgetReport:
+    """The budget that is compared with. Raises DiagnosisError."""
+    from saoflow.git_revision import sheet_at
+    from saoflow.pipeline import load
+
+    if versus is not None and versus_git is not None:
+        cause, remedy = "both say what to compare with", "leave out one of them"
+        raise refusal("E603", "`--vs` and `--vs-git` exclude each other", cause=cause, remedy=remedy)
+    if versus is not None:
+        return load(versus).budget()
+    assert versus_git is not None
+    with sheet_at(sheet.sheet.file, versus_git) as path:
+        return load(str(path)).budget()
 
 
 def _write_report(sheet: LoadedSheet, file: str, findings: Findings, json: bool) -> None:
