@@ -19,11 +19,14 @@ from verification.reference.inputs import Inputs, frames
 from verification.reference.interior_point import Iteration
 from verification.reference.linearisation import QuadraticProgram, Window, linearise
 from verification.reference.model import output, transition
-from verification.reference.residuals import Judgement, judge
+from verification.reference.residuals import HeldWind, Judgement, hold_wind, judge
 from verification.reference.tuning import Tuning
 
 ALPHA_VC = np.array([2, 3])
 """Where alpha and V_c stand in y."""
+
+WZ_WX = np.array([3, 2])
+"""Where the winds stand in x that a common fault of the alpha or the V_c sensors looks like."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,11 @@ class State:
     y_past: Array  # (N - 1, 4)
     mask_past: Array  # (N - 1, 4): 1 where a measurement was present
     residuals: Array  # (N_eval - 1, 2, 3)
+    squares_held: Array  # (N_eval - 1, 2, 3)
     bads: Mask  # (N_eval - 1, 2, 3)
+    aparts: Mask  # (N_eval - 1, 2)
+    wind_held: Array  # (2,), W_z and W_x from before the sensors of alpha, V_c disagreed
+    doubtful: Mask  # (2, 3)
     faulty: Mask  # (2, 3): confirmed alpha and V_c sensors
 
     @property
@@ -83,6 +90,8 @@ class Trace:
     inputs: Conditioned
     start_up: StartUp
     prediction: Array  # (2,) alpha and V_c, SI, before the saturation of the outputs
+    wind_held: HeldWind
+    held: Array  # (2,) the prediction with the wind from before
     judgement: Judgement
     fused: Fused
     window: Window
@@ -114,7 +123,11 @@ def initial_state(tuning: Tuning) -> State:
         y_past=np.zeros((past, 4)),
         mask_past=np.zeros((past, 4)),
         residuals=np.zeros((tuning.n_eval - 1, 2, 3)),
+        squares_held=np.zeros((tuning.n_eval - 1, 2, 3)),
         bads=np.zeros((tuning.n_eval - 1, 2, 3), dtype=bool),
+        aparts=np.zeros((tuning.n_eval - 1, 2), dtype=bool),
+        wind_held=np.zeros(2),
+        doubtful=np.zeros((2, 3), dtype=bool),
         faulty=np.zeros((2, 3), dtype=bool),
     )
 
@@ -130,7 +143,21 @@ def step(state: State, inputs: Inputs, tuning: Tuning, method: Method) -> Step:
 
     # Step 1: residuals, their rms, fault decision
     prediction = output(x_warm[-1], now.theta, tuning)[0][ALPHA_VC]
-    judgement = judge(now, prediction, state.residuals, state.bads, state.faulty, start.inhibit, tuning)
+    wind_held = hold_wind(
+        now, x_warm[-1, WZ_WX], state.wind_held, state.aparts, state.doubtful, state.faulty, tuning
+    )
+    held = held_prediction(x_warm[-1], wind_held.wind, now.theta, tuning)
+    judgement = judge(
+        now,
+        prediction,
+        held,
+        state.residuals,
+        state.squares_held,
+        state.bads,
+        state.faulty,
+        start.inhibit,
+        tuning,
+    )
 
     # Step 2: fusion
     fused = fuse(now, judgement, prediction, tuning)
@@ -161,12 +188,27 @@ def step(state: State, inputs: Inputs, tuning: Tuning, method: Method) -> Step:
         y_past=window.y[1:],
         mask_past=mask[1:],
         residuals=np.concatenate([state.residuals[1:], judgement.residual[None]]),
+        squares_held=np.concatenate([state.squares_held[1:], judgement.square_held[None]]),
         bads=np.concatenate([state.bads[1:], judgement.bad[None]]),
+        aparts=np.concatenate([state.aparts[1:], wind_held.apart[None]]),
+        wind_held=wind_held.wind,
+        doubtful=judgement.doubtful,
         faulty=judgement.faulty,
     )
     outputs = outputs_of(x[-1], now.theta, prediction, judgement, fused, tuning, method)
-    trace = Trace(now, start, prediction, judgement, fused, window, qp, tuple(iterations), x, u)
+    trace = Trace(now, start, prediction, wind_held, held, judgement, fused, window, qp, tuple(iterations), x, u)
     return Step(outputs, following, trace)
+
+
+def held_prediction(x: Array, wind: Array, theta: Array, tuning: Tuning) -> Array:
+    """Return alpha and V_c as predicted, but with the winds `wind` (W_z for alpha, W_x for V_c), shape (2,).
+
+    The inertial V_z of (15) ties alpha to W_z: with another wind the same V_z means another alpha.
+    """
+    w_z, w_x = wind
+    alpha = x[0] - (w_z - x[3]) / theta[0]
+    v_c = output(np.array([x[0], x[1], w_x, x[3]]), theta, tuning)[0][3]
+    return np.array([alpha, v_c])
 
 
 def remember(present: Array, past: Array, load: bool) -> Array:

@@ -23,12 +23,14 @@ class Fused:
 
 
 def fuse(inputs: Conditioned, judgement: Judgement, prediction: Array, tuning: Tuning) -> Fused:
-    """Fuse the sensors that are present, not confirmed faulty and not above the threshold now.
+    """Fuse the sensors that are present, not confirmed faulty and not above the threshold now; else those in doubt.
 
     J is floored: at the first frame it is 0, and 1/J^2 would let one sensor decide alone. Where no sensor
     is left, (19) is 0/0: the value is the prediction, and `present` says that it must not count.
     """
-    fused = inputs.sensors_valid & ~judgement.faulty & ~judgement.over
+    usable = inputs.sensors_valid & ~judgement.faulty
+    trusted = usable & ~judgement.over
+    fused = np.where(trusted.any(axis=1, keepdims=True), trusted, usable & judgement.doubtful)
     weight = np.where(fused, 1.0 / np.maximum(judgement.rms, tuning.floor) ** 2, 0.0)
     total = weight.sum(axis=1)
     present = np.any(fused, axis=1)

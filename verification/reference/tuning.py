@@ -50,6 +50,11 @@ class Tuning:
     alpha_floor: float = quantity(0.05, "deg", CHOSEN + "half the sensor noise; (19) divides by J^2")
     vc_floor: float = quantity(0.25, "kt", CHOSEN + "half the sensor noise; (19) divides by J^2")
 
+    # Doubt, where the sensors of a kind disagree
+    alpha_split: float = quantity(1.0, "deg", CHOSEN + "five times the sensor noise; agreeing sensors are nearer")
+    vc_split: float = quantity(4.0, "kt", CHOSEN + "five times the sensor noise; agreeing sensors are nearer")
+    doubt: float = quantity(0.8, "1", CHOSEN + "docs/detection.md; 0: as in the paper, no sensor is ever in doubt")
+
     # P, Q, R of (21a), (22)
     p_alpha: float = quantity(1e-6, "rad^2", CHOSEN + "smaller than R_alpha, as VI-A advises; see q_alpha")
     p_v: float = quantity(0.01, "m^2/s^2", CHOSEN + "smaller than R_vg, as VI-A advises")
@@ -181,6 +186,11 @@ class Tuning:
     def threshold(self) -> Array:
         """J_th of alpha and V_c, shape (2, 1), SI."""
         return np.array([[self.alpha_threshold * DEGREE], [self.vc_threshold * KNOT]])
+
+    @cached_property
+    def split(self) -> Array:
+        """Largest difference between alpha or V_c sensors that agree, shape (2,), SI."""
+        return np.array([self.alpha_split * DEGREE, self.vc_split * KNOT])
 
     @cached_property
     def floor(self) -> Array:

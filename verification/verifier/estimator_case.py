@@ -108,9 +108,12 @@ def before_step_3(scales: Scales) -> Iterator[Quantity]:
 
     part = "Step 1: residuals and fault decision"
     yield pair("prediction", "{}_check.prediction", scales.sensors[:, 0], part, lambda s: s.trace.prediction)
+    yield pair("wind from before", "{}_wind.wind", scales.x[[3, 2]], part, lambda s: s.trace.wind_held.wind)
+    yield pair("prediction with it", "{}_check.held", scales.sensors[:, 0], part, lambda s: s.trace.held)
     yield pair("residuals (17)", "{}_check.r", scales.sensors, part, lambda s: s.trace.judgement.residual)
     yield pair("rms (18)", "{}_check.J", scales.sensors, part, lambda s: s.trace.judgement.rms)
     yield pair("over the threshold", "{}_check.over", 1.0, part, lambda s: s.trace.judgement.over)
+    yield pair("in doubt", "{}_check.doubtful", 1.0, part, lambda s: s.trace.judgement.doubtful)
     yield pair("bad", "{}_check.bad", 1.0, part, lambda s: s.trace.judgement.bad)
     yield pair("faulty", "{}_check.faulty", 1.0, part, lambda s: s.trace.judgement.faulty)
 
@@ -227,8 +230,15 @@ def memory(wires: StateWires, scales: Scales, choices: int) -> Iterator[Memory]:
     yield one("past samples present", wires.mask_past, 1.0, lambda s: s.mask_past)
     yield one("past residuals of alpha", wires.residuals[0], scales.sensors[0, 0], lambda s: s.residuals[:, 0])
     yield one("past residuals of vc", wires.residuals[1], scales.sensors[1, 0], lambda s: s.residuals[:, 1])
+    squares = scales.sensors[:, 0] ** 2
+    yield one("past squares of alpha", wires.squares_held[0], squares[0], lambda s: s.squares_held[:, 0])
+    yield one("past squares of vc", wires.squares_held[1], squares[1], lambda s: s.squares_held[:, 1])
     yield one("past bad of alpha", wires.bads[0], 1.0, lambda s: s.bads[:, 0])
     yield one("past bad of vc", wires.bads[1], 1.0, lambda s: s.bads[:, 1])
+    yield one("past disagreement of alpha", wires.aparts[0], 1.0, lambda s: s.aparts[:, 0])
+    yield one("past disagreement of vc", wires.aparts[1], 1.0, lambda s: s.aparts[:, 1])
+    yield one("wind kept", wires.wind_held, scales.x[[3, 2]], lambda s: s.wind_held)
+    yield one("in doubt", wires.doubtful, 1.0, lambda s: s.doubtful)
     yield one("faulty", wires.faulty, 1.0, lambda s: s.faulty)
     yield one("warm start of x", wires.x_warm, scales.x, lambda s: s.x_warm, after=choices)
     yield one("warm start of u", wires.u_warm, scales.u, lambda s: s.u_warm, after=choices)

@@ -33,15 +33,20 @@ class StateWires:
     mask_past: tuple[str, ...]
     residuals: tuple[tuple[str, ...], ...]
     """One tuple of taps for alpha, one for vc; `bads` and `faulty` likewise."""
+    squares_held: tuple[tuple[str, ...], ...]
     bads: tuple[tuple[str, ...], ...]
+    aparts: tuple[tuple[str, ...], ...]
+    wind_held: tuple[str, ...]
+    doubtful: tuple[str, ...]
     faulty: tuple[str, ...]
 
     @property
     def all(self) -> tuple[str, ...]:
         """Every wire."""
-        single = (self.held, self.started, self.inhibit_count, self.x_warm, self.u_warm, *self.faulty)
-        windows = (self.theta_past, self.y_past, self.mask_past, *self.residuals, *self.bads)
-        return (*single, *(wire for window in windows for wire in window))
+        single = (self.held, self.started, self.inhibit_count, self.x_warm, self.u_warm, *self.wind_held)
+        windows = (self.theta_past, self.y_past, self.mask_past, self.doubtful, self.faulty)
+        of_sensors = (*self.residuals, *self.squares_held, *self.bads, *self.aparts)
+        return (*single, *(wire for window in (*windows, *of_sensors) for wire in window))
 
     def state(self, values: Values) -> State:
         """The reference's state from one frame of wire values."""
@@ -62,7 +67,11 @@ class StateWires:
             y_past=stack(self.y_past),
             mask_past=stack(self.mask_past),
             residuals=both(self.residuals),
+            squares_held=both(self.squares_held),
             bads=both(self.bads).astype(bool),
+            aparts=both(self.aparts).astype(bool),
+            wind_held=stack(self.wind_held),
+            doubtful=stack(self.doubtful).astype(bool),
             faulty=stack(self.faulty).astype(bool),
         )
 
@@ -81,5 +90,9 @@ def state_wires(tuning: Tuning) -> StateWires:
         mask_past=taps("present_window", past),
         residuals=tuple(taps(f"{sensor}_check.J.past", evaluated) for sensor in SENSORS),
         bads=tuple(taps(f"{sensor}_check.decision.count.sum.past", evaluated) for sensor in SENSORS),
+        squares_held=tuple(taps(f"{sensor}_check.sum_held.past", evaluated) for sensor in SENSORS),
+        aparts=tuple(taps(f"{sensor}_wind.count.sum.past", evaluated) for sensor in SENSORS),
+        wind_held=tuple(f"{sensor}_wind.before" for sensor in SENSORS),
+        doubtful=tuple(f"{sensor}_check.doubtful_before" for sensor in SENSORS),
         faulty=tuple(f"{sensor}_check.decision.before" for sensor in SENSORS),
     )
