@@ -39,6 +39,18 @@ def test_the_page_shows_outputs_and_probes_over_the_recordings_time(
     assert sorted(os.listdir()) == ["in.csv", "out.csv", "page.html"]
 
 
+@pytest.mark.parametrize(
+    "rows",
+    ["nan,nan\n", "3,1\n", "0,1e308\n1,1e308\n2,-1e308\n", "2,1\n1,2\n0,3\n", "1,inf\n1,-inf\n", ",\n,\n"],
+    ids=["nothing", "one frame", "huge", "backwards", "infinite", "empty"],
+)
+def test_odd_runs_have_a_page_too(here: Path, recwarn: pytest.WarningsRecorder, rows: str) -> None:
+    Path("odd.csv").write_text("t,u\n" + rows)
+    assert cli.run(["run", LAG, "odd.csv", "-o", "out.csv", "--report", "page.html"]) == 0
+    assert Path("page.html").read_text().count("<svg") == 2
+    assert not [str(w.message) for w in recwarn]
+
+
 def test_a_long_run_shows_its_beginning_and_says_so(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

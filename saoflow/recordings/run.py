@@ -61,11 +61,11 @@ class Kept:
         return _joined(self._outputs)
 
     def t(self) -> np.ndarray | None:
-        """(frames,), the time column; None if there is none, or it does not say when each frame is."""
+        """(frames,), the time column; None if there is none, or it does not go forward."""
         if not self._t:
             return None
         t = np.concatenate(self._t)
-        return t if np.isfinite(t).all() else None
+        return t if np.isfinite(t).all() and (np.diff(t) > 0.0).all() else None
 
 
 def run_recording(

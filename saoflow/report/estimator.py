@@ -59,10 +59,11 @@ def _airspeed(report: Report) -> Shown:
         curves.append(Curve(run.outputs["vc_hat"], "estimate", "estimate", 1.3))
         return Panel(run.label, tuple(curves), marks=_marks(report, run))
 
+    flown = ", what the aircraft flew," if "vc" in report.truth else ""
     return Shown(
         "airspeed",
         "Calibrated airspeed",
-        "What the three sensors read, what the aircraft flew, and what the estimator makes of it.",
+        f"What the three sensors read{flown} and what the estimator makes of it.",
         Plot("airspeed [kt]", tuple(panel(run) for run in report.runs), 2.1),
     )
 
@@ -129,7 +130,8 @@ def _alpha(report: Report) -> Shown:
         return Panel(run.label, tuple(curves), marks=_marks(report, run))
 
     panels = tuple(panel(run) for run in report.runs)
-    return Shown("alpha", "Angle of attack", "Sensors, truth and estimate.", Plot("angle of attack [deg]", panels, 1.5))
+    caption = "Sensors, truth and estimate." if "alpha" in report.truth else "Sensors and estimate."
+    return Shown("alpha", "Angle of attack", caption, Plot("angle of attack [deg]", panels, 1.5))
 
 
 def _configuration(report: Report) -> Shown:

@@ -118,7 +118,7 @@ def _drawn(report: Report, progress: Callable[[float], None]) -> list[tuple[Show
     shown += difference_plots(report)
     drawn: list[tuple[Shown, str]] = []
     for i, one in enumerate(shown):
-        with style(one.name):
+        with style(one.name), np.errstate(all="ignore"):  # numbers near the largest overflow in matplotlib's ticks
             drawn.append((one, svg(draw(one.plot, report.time), one.name, one.heading)))
         progress((i + 1) / (len(shown) + 1))
     progress(1.0)

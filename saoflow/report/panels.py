@@ -106,7 +106,8 @@ def draw(plot: Plot, time: Array) -> Figure:
 
 def draw_panel(axes: Axes, panel: Panel, time: Array, limits: tuple[float, float], logarithmic: bool = False) -> None:
     """One panel on its axes."""
-    axes.set_xlim(float(time[0]), float(time[-1]))
+    begin, end = float(time[0]), float(time[-1])
+    axes.set_xlim(begin, end if end != begin else begin + 1.0)
     if logarithmic:
         axes.set_yscale("log")
     axes.set_ylim(*limits)
