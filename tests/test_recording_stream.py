@@ -121,6 +121,17 @@ def test_chunks_have_the_bits_of_the_whole_run(backend: str, real: int, flights:
     assert in_chunks.state().frame == 500
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_blocks_that_do_not_run_every_frame_keep_their_turn(backend: str) -> None:
+    sheet = saoflow.load(str(GOOD / "rates" / "main.yaml"))
+    inputs = {name: np.random.default_rng(2).normal(size=(60, *wire.shape)) for name, wire in sheet.input_types.items()}
+    whole = sheet.simulator(backend).run(inputs)
+    chunks = ({name: array[a:b] for name, array in inputs.items()} for a, b in pairwise([0, 1, 3, 8, 9, 40, 60]))
+    parts = list(sheet.simulator(backend).run_chunks(chunks))
+    for name, values in whole.items():
+        assert np.concatenate([part[name] for part in parts]).tobytes() == values.tobytes()
+
+
 def test_the_flagship_in_chunks() -> None:
     sheet = saoflow.load("cmhe_fte")
     inputs = sensors(load_recording("a320_wind_350kt_5000ft").part(0.0, 20.0), seed=4).inputs()
