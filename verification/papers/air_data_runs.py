@@ -15,12 +15,17 @@ from verification.results.fig4 import FAULT, FLIGHT, NOT_WITHIN
 CALM, WIND = FLIGHT, "a320_wind_350kt_5000ft"
 """Both at 350 kt and 5000 ft, as the paper's runs of VI-A."""
 
+SLOW = "a320_slow_190kt_3000ft"
+
 SHEETS = ("cmhe_fte", "umhe_fte", "ekf_fte")
 NAMES = {"cmhe_fte": "CMHE-FTE", "umhe_fte": "UMHE-FTE", "ekf_fte": "EKF-FTE"}
 
 DEGREES = 180.0 / np.pi
 SETTLED = 60
 """Frames after which residuals are looked at: those without decisions, and the evaluation window."""
+
+WX_MAX = 60.0
+"""[kt]: the bound of the horizontal wind."""
 
 THRESHOLDS = {"alpha": 2.9, "vc": 12.0}
 """[deg], [kt]: paper 004, VI-B."""
@@ -104,7 +109,7 @@ class Runaway:
     @property
     def at_bound(self) -> tuple[int | None, ...]:
         """By seed: frames from the onset until the wind estimate is within 2 % of 60 kt; None: never."""
-        near = self.out["wx_hat"] > 0.98 * 60.0
+        near = self.out["wx_hat"] > 0.98 * WX_MAX
         return tuple(int(np.argmax(row)) - self.onset if row.any() else None for row in near)
 
     @property
@@ -197,15 +202,18 @@ def jamming(
     found = []
     for flight in flights:
         truth = load_recording(flight)
-        readings = []
-        for alpha, vc in amplitudes:
-            faults = [Fault("jamming", s, (1, 2), amplitude=a, onset=onset) for s, a in (("alpha", alpha), ("vc", vc))]
-            readings.append(sensors(truth, seed, faults=faults))
+        readings = [jammed(truth, amplitude, onset, seed) for amplitude in amplitudes]
         out = run("cmhe_fte", readings)
         for i, amplitude in enumerate(amplitudes):
             delays = [_delays(out[f"{s}_faulty"][i], onset, truth.period) for s in ("alpha", "vc")]
             found.append(Jamming(flight, amplitude, *delays))
     return tuple(found)
+
+
+def jammed(truth: Recording, amplitude: tuple[float, float], onset: float = 6.0, seed: int = 1) -> Recording:
+    """Readings of a flight with sensors 1 and 2 of both kinds jammed, so far beside their readings at the onset."""
+    pairs = zip(("alpha", "vc"), amplitude, strict=True)
+    return sensors(truth, seed, faults=[Fault("jamming", s, (1, 2), amplitude=a, onset=onset) for s, a in pairs])
 
 
 def _delays(faulty: Array, onset: float, period: float) -> tuple[float | None, float | None, float | None]:

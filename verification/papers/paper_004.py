@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
+from verification.papers.air_data_pictures import draw_fig_3, draw_fig_4, draw_fig_6a, draw_rates
 from verification.papers.air_data_runs import (
     BOUND,
     NAMES,
     SCENARIOS,
     SHEETS,
-    THRESHOLDS,
+    SLOW,
     WIND,
+    WX_MAX,
     Jamming,
     Rate,
     Robustness,
@@ -25,12 +27,9 @@ from verification.papers.air_data_runs import (
     there_is,
 )
 from verification.papers.finding import Finding, Verdict
-from verification.papers.style import COLOURS, LIMIT, SOFT, TRUTH, figure, save
 from verification.results.fig4 import NOT_WITHIN, WITHIN_S
 
 PAPER = "004"
-COLOUR = dict(zip(SHEETS, COLOURS, strict=False))
-
 ALIKE = 1.02
 """Two residuals are of the same size: within 2 %."""
 
@@ -39,9 +38,6 @@ SAME = 1.1
 
 LARGER = 1.5
 """The paper's "significantly larger"."""
-
-WX_MAX = 60.0
-"""[kt]: the bound of the horizontal wind."""
 
 NO_EKF = "there is no sheet `ekf_fte`"
 
@@ -63,8 +59,8 @@ def findings(pictures: Path, *, short: bool = False) -> Iterator[Finding]:
     yield fig_5b(measured, pictures)
     amplitudes = ((1.0, 5.0), (2.0, 10.0), (2.5, 11.0))
     every = tuple((sign * a, sign * v) for sign in (1.0, -1.0) for a, v in amplitudes)
-    flights = ("a320_slow_190kt_3000ft", WIND) if short else ("a320_slow_190kt_3000ft", WIND, "787_ramps_300kt_15000ft")
-    yield fig_6a(jamming(flights, every[::3] if short else every))
+    flights = (SLOW, WIND) if short else (SLOW, WIND, "787_ramps_300kt_15000ft")
+    yield fig_6a(jamming(flights, every[::3] if short else every), pictures)
     yield Finding(
         PAPER, "Fig. 6(b)", "a failure that upsets the flight",
         "all airspeed sensors fall to 10 %; the controller follows them, and AOA errs by up to 16.4 deg in the transient",
@@ -83,18 +79,7 @@ def fig_3(rows: Sequence[Robustness], pictures: Path) -> Finding:
     ]
     beyond = at[scenarios[2], "cmhe_fte"].vc / at[scenarios[2], "umhe_fte"].vc
     verdict = Verdict.HOLDS if max(alike) <= ALIKE and beyond >= LARGER else Verdict.FAILS
-    shown = list(dict.fromkeys(r.sheet for r in rows))
-    with figure(6.6, 2.6) as drawn:
-        for axes, quantity, unit in zip(drawn.subplots(1, 2), ("alpha", "vc"), ("deg", "kt"), strict=True):
-            for i, sheet in enumerate(shown):
-                values = [getattr(at[s, sheet], quantity) for s in scenarios]
-                axes.bar(np.arange(3) + 0.27 * (i - 1), values, 0.25, color=COLOUR[sheet], label=NAMES[sheet])
-            axes.axhline(THRESHOLDS[quantity], color=LIMIT, linestyle="--", linewidth=0.8)
-            axes.set_xticks(range(3), [s.split(":")[0] for s in scenarios])
-            axes.set_xlabel("wind scenario")
-            axes.set_ylabel(f"largest rms, {'AOA' if quantity == 'alpha' else 'airspeed'} [{unit}]")
-        drawn.axes[0].legend()
-        save(drawn, pictures / "004_fig_3.png")
+    draw_fig_3(rows, pictures)
     lines = "\n".join(f"| {r.scenario} | {NAMES[r.sheet]} | {r.alpha:.2f} | {r.vc:.2f} |" for r in rows)
     text = (
         "350 kt, 5000 ft, p_w = 0.01, q_w = 0.1. The figure's winds are not given. Ours: a calm flight; one with -30 to 40 kt "
@@ -104,7 +89,7 @@ def fig_3(rows: Sequence[Robustness], pictures: Path) -> Finding:
         "UMHE's, over its threshold of 12 kt: a false alarm, as the paper warns."
     )
     claim = "without faults UMHE and CMHE have residuals of the same size while the wind is inside its assumed bounds; beyond them CMHE's are larger"
-    return Finding(PAPER, "Fig. 3", "robustness to wind", claim, verdict, "", text, ("004_fig_3.png",))
+    return Finding(PAPER, "Figs. 2, 3", "robustness to wind", claim, verdict, "", text, ("004_fig_3.png",))
 
 
 def fig_3_ekf(rows: Sequence[Robustness]) -> Finding:
@@ -166,35 +151,6 @@ def fig_4(flown: dict[str, Runaway], pictures: Path) -> Finding:
     return Finding(PAPER, "Fig. 4", "benefit of the bounds", claim, verdict, "", text, ("004_fig_4.png",))
 
 
-def draw_fig_4(flown: dict[str, Runaway], pictures: Path) -> None:
-    """Sensors, errors of V_c, wind and residuals of the first seed."""
-    one = flown["cmhe_fte"]
-    shown = slice(one.onset - 80, one.onset + NOT_WITHIN)
-    time = (np.arange(one.out["wx_hat"].shape[1]) * one.period)[shown]
-    with figure(7.4, 4.6) as drawn:
-        (sensed, error), (wind, residual) = drawn.subplots(2, 2, sharex=True)
-        sensed.plot(time, one.readings[0, shown], color=SOFT, linewidth=0.7)
-        sensed.plot(time, one.vc_true[shown], color=TRUTH)
-        sensed.set_ylabel("airspeed: sensors, true [kt]")
-        for sheet, run in flown.items():
-            error.plot(time, run.vc_error[0, shown], color=COLOUR[sheet], label=NAMES[sheet])
-            wind.plot(time, run.out["wx_hat"][0, shown], color=COLOUR[sheet])
-            residual.plot(time, run.out["vc_rms"][0, shown].mean(axis=1), color=COLOUR[sheet])
-            delay = run.delays[0]
-            if delay is not None and delay < NOT_WITHIN:
-                residual.axvline((run.onset + delay) * run.period, color=COLOUR[sheet], linestyle=":", linewidth=1.0)
-        error.set_ylabel("error of airspeed [kt]")
-        error.legend()
-        wind.axhline(WX_MAX, color=LIMIT, linestyle="--", linewidth=0.8)
-        wind.set_ylabel("estimated W_x [kt]; true: 0")
-        residual.axhline(THRESHOLDS["vc"], color=LIMIT, linestyle="--", linewidth=0.8)
-        residual.set_ylim(0.0, 40.0)
-        residual.set_ylabel("residual rms [kt]; dotted: isolated")
-        for axes in (wind, residual):
-            axes.set_xlabel("t [s]")
-        save(drawn, pictures / "004_fig_4.png")
-
-
 def fig_4_ekf(flown: dict[str, Runaway]) -> Finding:
     """Three airspeed sensors run away: the EKF."""
     claim = "the EKF cannot detect the three faulty airspeed sensors either"
@@ -231,7 +187,7 @@ def fig_5a(measured: Sequence[Rate], pictures: Path) -> Finding:
         )
     else:
         verdict = Verdict.FAILS
-    _draw_rates(measured, pictures / "004_fig_5a.png", [(SCENARIOS[0].name, s, q) for s in ("cmhe_fte", "umhe_fte") for q in (1e-4, 1.0)])
+    draw_rates(measured, pictures / "004_fig_5a.png", [(SCENARIOS[0].name, s, q) for s in ("cmhe_fte", "umhe_fte") for q in (1e-4, 1.0)])
     text = (
         "Three airspeed sensors, A320, 350 kt, 5000 ft, calm; mean of the residuals' rms over the 370 frames after the onset, kt, seed 1:\n\n"
         + _table(at, tried)
@@ -274,7 +230,7 @@ def fig_5b(measured: Sequence[Rate], pictures: Path) -> Finding:
         condition = "the wind blows toward the bound that the fault drives the estimate to; in the opposite wind the residual is smaller"
     else:
         verdict = Verdict.FAILS
-    _draw_rates(measured, pictures / "004_fig_5b.png", [(s.name, sheet, 1.0) for sheet in ("cmhe_fte", "umhe_fte") for s in SCENARIOS])
+    draw_rates(measured, pictures / "004_fig_5b.png", [(s.name, sheet, 1.0) for sheet in ("cmhe_fte", "umhe_fte") for s in SCENARIOS])
     rows = "\n".join(
         f"| {rate:g} | " + " | ".join(f"{by[sheet, 1.0, rate]:.2f}" for sheet in ("cmhe_fte", "umhe_fte") for by in (calm, tail, head)) + " |"
         for rate in sorted({r.rate for r in measured})
@@ -289,7 +245,7 @@ def fig_5b(measured: Sequence[Rate], pictures: Path) -> Finding:
     return Finding(PAPER, "Fig. 5(b)", "sensitivity in wind", claim, verdict, condition, text, ("004_fig_5b.png",))
 
 
-def fig_6a(flown: Sequence[Jamming]) -> Finding:
+def fig_6a(flown: Sequence[Jamming], pictures: Path) -> Finding:
     """Sensors jammed near their true values."""
     count = {s: {v: sum(j.verdict(s) == v for j in flown) for v in ("right", "missed", "wrong")} for s in ("alpha", "vc")}
     right = sum(c["right"] for c in count.values())
@@ -312,14 +268,15 @@ def fig_6a(flown: Sequence[Jamming]) -> Finding:
     )
     text = (
         "Two AOA and two airspeed sensors stay, from 6 s on, where they were, a little beside the true value and below the thresholds of 2.9 deg and 12 kt; seed 1. "
-        f"Seconds until both were isolated:\n\n| flight | beside | AOA | airspeed |\n|---|---|---|---|\n{rows}\n\n"
+        f"Seconds until both were isolated (the picture: the first flight, -2 deg, -10 kt):\n\n| flight | beside | AOA | airspeed |\n|---|---|---|---|\n{rows}\n\n"
         "The residual of a jammed sensor grows only as the flight leaves the value it is stuck at, hence the long delays, the longest here "
         f"{max(delays) if delays else float('nan'):.1f} s. But two of three sensors that agree also drag the fused measurement, and with it the estimate, along; when the flight moves away "
         "far enough it may be the healthy sensor that differs most. The fusion (19) weighs residuals against the prediction and cannot tell: this is the "
         "method, not the tuning (`docs/corrections.md`, \"What the method cannot do\")."
     )
     claim = "sensors jammed near their true values keep the residuals below the threshold, so that detection is late (19.16 s), but right"
-    return Finding(PAPER, "Fig. 6(a)", "jamming near the true value", claim, verdict, condition, text)
+    draw_fig_6a(pictures)
+    return Finding(PAPER, "Fig. 6(a)", "jamming near the true value", claim, verdict, condition, text, ("004_fig_6a.png",))
 
 
 def _outcome(one: Jamming, sensor: str) -> str:
@@ -339,23 +296,6 @@ def _table(at: dict[tuple[str, float, float], float], tried: Sequence[float]) ->
     heads = " | ".join(f"{NAMES[s].removesuffix('-FTE')}, q_w = {q:g}" for s, q in columns)
     rows = "\n".join(f"| {rate:g} | " + " | ".join(f"{at[s, q, rate]:.2f}" for s, q in columns) + " |" for rate in tried)
     return f"| rate, kt/s | {heads} |\n|---|---|---|---|---|\n{rows}"
-
-
-def _draw_rates(measured: Sequence[Rate], path: Path, curves: Sequence[tuple[str, str, float]]) -> None:
-    dashes = ("-", "--", ":")
-    with figure(6.0, 2.8) as drawn:
-        axes = drawn.subplots()
-        seen: dict[str, int] = {}
-        for scenario, sheet, q in curves:
-            points = sorted((r.rate, r.rms) for r in measured if (r.scenario, r.sheet, r.q_w) == (scenario, sheet, q))
-            style = dashes[seen.get(sheet, 0)]
-            seen[sheet] = seen.get(sheet, 0) + 1
-            label = f"{NAMES[sheet]}, {scenario}" if len({c[0] for c in curves}) > 1 else f"{NAMES[sheet]}, q_w = {q:g}"
-            axes.plot(*zip(*points, strict=True), style, marker="o", markersize=3, color=COLOUR[sheet], label=label)
-        axes.set_xlabel("rate of the runaway [kt/s]")
-        axes.set_ylabel("mean residual rms [kt]")
-        axes.legend()
-        save(drawn, path)
 
 
 def _ratio(a: float, b: float) -> float:

@@ -28,7 +28,7 @@ def test_the_verdicts_of_figures_3_to_6(tmp_path: Path):
     found = titled(paper_004.findings(tmp_path, short=True))
     verdicts = {name: f.verdict for name, f in found.items()}
     assert verdicts == {
-        "Fig. 3: robustness to wind": Verdict.HOLDS,
+        "Figs. 2, 3: robustness to wind": Verdict.HOLDS,
         "Fig. 3: robustness of the EKF": Verdict.ONLY_IF,
         "Fig. 4: benefit of the bounds": Verdict.HOLDS,
         "Fig. 4: the EKF": Verdict.HOLDS,
@@ -104,9 +104,9 @@ def test_the_rules_of_figs_3_and_6_follow_the_numbers(tmp_path: Path):
     right = Jamming("flight", (1.0, 5.0), (19.0, 18.0, None), (4.0, 4.5, None))
     wrong = Jamming("flight", (1.0, 5.0), (None, None, 30.0), (4.0, None, None))
     assert (right.verdict("alpha"), right.delay("alpha"), wrong.verdict("alpha"), wrong.verdict("vc")) == ("right", 19.0, "wrong", "missed")
-    assert paper_004.fig_6a([right]).verdict is Verdict.HOLDS
-    assert paper_004.fig_6a([right, wrong]).verdict is Verdict.ONLY_IF
-    assert paper_004.fig_6a([wrong]).verdict is Verdict.FAILS
+    assert paper_004.fig_6a([right], tmp_path).verdict is Verdict.HOLDS
+    assert paper_004.fig_6a([right, wrong], tmp_path).verdict is Verdict.ONLY_IF
+    assert paper_004.fig_6a([wrong], tmp_path).verdict is Verdict.FAILS
 
 
 def report(missed=0, mean_error=0.24, delay=0.75):
