@@ -40,7 +40,7 @@ def campaign(
     """Fly many flights with and without faults through sheets, and tell false alarms, misses, delays and errors.
 
     Results come into DIR as Parquet; a campaign that was stopped or killed goes on when it is called again, and ends with
-    the same bytes. Writes results.parquet (a row a run), report.md and report.json. Exit code 1 if a run failed.
+    the same bytes. Writes results.parquet (a row a run), report.html, .png, .md and .json. Exit code 1 if a run failed.
 
     Example: saoflow campaign table_iv -o out/table_iv
 
@@ -85,17 +85,14 @@ def _plan(name: str | None, settings: list[str] | None, findings: Findings) -> C
 def _run(
     plan: Campaign, output: str, workers: int | None, dask: str | None, findings: Findings, json: bool
 ) -> None:
-    from verification.campaigns.metrics import metrics_of
     from verification.campaigns.report import json_of, write_report
     from verification.campaigns.run import run_campaign
-    from verification.campaigns.store import rows_of
 
     start = time.monotonic()
     try:
         with stages() as progress:
             outcome = run_campaign(plan, output, workers, dask, progress)
-        metrics = metrics_of(rows_of(outcome.results))
-        files = write_report(plan, metrics, outcome.results.parent)
+        metrics, files = write_report(plan, outcome.results)
     except DiagnosisError as error:
         findings.extend(error.diagnoses)
         finish(findings.found, json)

@@ -57,7 +57,8 @@ def _panel(axis: Any, comparison: Comparison, cost: str, quality: Quality) -> No
     if comparison.budget is not None and cost == "operations":
         axis.axvline(comparison.budget, color=LIMIT, linestyle="--", linewidth=0.9)
     families = list(dict.fromkeys(entry.label.split("[")[0] for entry in comparison.entries))
-    for number, entry in enumerate(comparison.entries, start=1):
+    farthest = max(getattr(entry, cost) for entry in comparison.entries)
+    for number, entry in enumerate(sorted(comparison.entries, key=lambda e: float(getattr(e, cost)))):
         colour = COLOURS[families.index(entry.label.split("[")[0]) % len(COLOURS)]
         face = "none" if entry.fits is False else colour
         at = getattr(entry, cost), getattr(entry, quality.field)
@@ -65,12 +66,16 @@ def _panel(axis: Any, comparison: Comparison, cost: str, quality: Quality) -> No
             continue
         axis.plot(*at, marker="o", markersize=5, color=colour, markerfacecolor=face, linestyle="none")
         if len(comparison.entries) <= MOST_LABELS:
-            axis.annotate(_short(entry, number), at, xytext=(4, 3), textcoords="offset points", fontsize=6.5, color=SOFT)
-    axis.margins(0.12)
+            side = "right" if at[0] > 0.85 * farthest else "left"
+            place = (-4 if side == "right" else 4, 4 if number % 2 else -9)  # neighbours above and below
+            axis.annotate(
+                _short(entry), at, xytext=place, textcoords="offset points", ha=side, fontsize=6.5, color=SOFT
+            )
+    axis.margins(0.15)
     axis.set_xlim(left=0.0)
 
 
-def _short(entry: Entry, number: int) -> str:
+def _short(entry: Entry) -> str:
     """The parameters alone stand beside a variant; the table has the rest."""
     name, bracket, rest = entry.label.partition("[")
     return rest.rstrip("]") if bracket else name

@@ -1,0 +1,149 @@
+"""A Monte-Carlo campaign, in ratios: ``python benchmarks/campaign.py [--flights 10000]``.
+
+- 10 000 flights of a minute on two processes against the numpy reference, time for a flight's frame;
+- two processes against one;
+- memory against the number of flights.
+
+Everything in one run; each campaign in a new process. Other programs disturb clocks, so times are processor times: that of a
+campaign on two processes is the larger of half of what its workers used (chunks are handed out as workers become free) and
+what the process used that hands out and keeps. The clock's ratio of two processes against one stands beside it; it is the
+same on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+NEEDED_REFERENCE, NEEDED_TWO, NEEDED_MEMORY = 500.0, 1.8, 1.1
+REFERENCE_FRAMES = 400
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What one campaign took: seconds by the clock and of processors, and the largest memory [MB]."""
+
+    flights: int
+    frames: int
+    clock: float
+    own: float
+    workers: float
+    memory: float
+    worker_memory: float
+
+    @property
+    def on_two(self) -> float:
+        """Processor seconds on the longest way through, with two workers."""
+        return max(self.workers / 2.0, self.own)
+
+    @property
+    def alone(self) -> float:
+        """Processor seconds with one."""
+        return self.own + self.workers
+
+
+def main() -> None:
+    """Print medians and ratios."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--flights", type=int, default=10_000)
+    parser.add_argument("--repeat", type=int, default=3, help="of two processes against one, with a fifth of the flights")
+    parser.add_argument("--one", nargs=2, type=int, metavar=("FLIGHTS", "WORKERS"), help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.one:
+        print(json.dumps(_campaign(*options.one).__dict__))
+        return
+    few = max(options.flights // 5, 200)
+    _measured(200, 1)  # compiled, before anything is measured
+    references = [_reference()]
+    whole = _measured(options.flights, 2)
+    references.append(_reference())
+    pairs = [(_measured(few, 1), _measured(few, 2)) for _ in range(options.repeat)]
+    references.append(_reference())
+    _against_reference(whole, statistics.median(references))
+    _two_against_one(pairs)
+    _memory([_measured(max(options.flights // 10, 100), 2), pairs[0][1], whole])
+
+
+def _against_reference(whole: Spent, reference: float) -> None:
+    each = whole.on_two / whole.frames
+    print(f"{whole.flights} flights, {whole.frames} frames: {whole.clock:.1f} s by the clock, {whole.alone:.1f} s of processors")
+    print(
+        f"numpy reference / campaign on two cores   {1e6 * reference:8.1f} us / {1e6 * each:6.3f} us = "
+        f"{reference / each:7.0f}; needed: {NEEDED_REFERENCE:g}"
+    )
+
+
+def _two_against_one(pairs: list[tuple[Spent, Spent]]) -> None:
+    one, two = (statistics.median(t) for t in ([p.alone for p, _ in pairs], [p.on_two for _, p in pairs]))
+    ratio = statistics.median(a.alone / b.on_two for a, b in pairs)
+    clock = statistics.median(a.clock / b.clock for a, b in pairs)
+    print(
+        f"one process / two, {pairs[0][0].flights} flights          {one:8.2f} s  / {two:6.2f} s  = {ratio:7.2f}; "
+        f"needed: {NEEDED_TWO:g} (by the clock {clock:.2f}, load {os.getloadavg()[0]:.1f})"
+    )
+
+
+def _memory(runs: list[Spent]) -> None:
+    for run in runs:
+        print(f"memory, {run.flights:6d} flights: {run.memory:6.1f} MB, a worker {run.worker_memory:6.1f} MB")
+    ratio = max(runs[-1].memory / runs[0].memory, runs[-1].worker_memory / runs[0].worker_memory)
+    print(f"memory, {runs[-1].flights} flights / {runs[0].flights}: {ratio:.2f}; needed: at most {NEEDED_MEMORY:g}")
+
+
+def _reference() -> float:
+    """Processor seconds of the numpy reference for a frame."""
+    from verification.flights import load_recording, sensors
+    from verification.reference import cmhe_fte
+
+    recorded = sensors(load_recording("a320_wind_350kt_5000ft"), seed=1).inputs()
+    few = {name: array[:REFERENCE_FRAMES] for name, array in recorded.items()}
+    start = time.process_time()
+    cmhe_fte.run(few)
+    return (time.process_time() - start) / REFERENCE_FRAMES
+
+
+def _measured(flights: int, workers: int) -> Spent:
+    command = [sys.executable, __file__, "--one", str(flights), str(workers)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return Spent(**json.loads(done.stdout))
+
+
+def _campaign(flights: int, workers: int) -> Spent:
+    """In this process and its workers: the shipped Monte-Carlo with so many flights, half of them with faults."""
+    from verification.campaigns.metrics import metrics_of
+    from verification.campaigns.reader import load_campaign
+    from verification.campaigns.run import run_campaign
+    from verification.campaigns.store import rows_of
+
+    plan = load_campaign("monte_carlo")
+    plan = replace(plan, runs=tuple(replace(runs, count=flights // 2) for runs in plan.runs))
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        outcome = run_campaign(plan, Path(folder) / "out", workers)
+        (metrics,) = metrics_of(rows_of(outcome.results))
+    clock = time.perf_counter() - start
+    assert metrics.fault_free.runs + metrics.faulty.runs == plan.total
+    own, children = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    return Spent(
+        plan.total,
+        plan.total * 1250,
+        clock,
+        own.ru_utime + own.ru_stime,
+        children.ru_utime + children.ru_stime,
+        own.ru_maxrss / 1024.0,
+        children.ru_maxrss / 1024.0,
+    )
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+    main()
