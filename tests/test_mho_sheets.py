@@ -15,9 +15,11 @@ import numpy as np
 import pytest
 
 import saoflow
+from saoflow.codegen.compiler import find_compiler
 from saoflow.diagrams.expression_value import evaluate
 from saoflow.pipeline import LoadedSheet
 from saoflow.units import Unit
+from tests.sheet_text import same_bits
 from verification.reference.mho import mho_pe as pe
 from verification.reference.mho import mho_wd as wd
 from verification.reference.mho.tuning import MhoTuning
@@ -165,6 +167,21 @@ def test_references_are_found_by_the_name_of_the_sheet(sheet: str) -> None:
     found, _ = find_reference(sheet)
     assert isinstance(found, ReferenceCase)
     assert found.sheet == sheet
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler on this machine")
+@pytest.mark.parametrize("sheet", ["mho_wd", "ekf", "mho_fault_detection"])
+def test_the_compiled_frames_have_the_interpreters_bits(sheet: str) -> None:
+    inputs = _ports(sheet, dict(mho_scenarios(600, 2)[2].inputs))  # with gaps
+    one = loaded(sheet).simulator().run(inputs)
+    other = loaded(sheet).simulator(backend="c").run(inputs)
+    assert all(same_bits(one[port], other[port]) for port in one)
+
+
+def test_a_horizon_out_of_range_is_diagnosed() -> None:
+    with pytest.raises(saoflow.DiagnosisError, match="N") as refused:
+        saoflow.load("mho_wd", parameters={"N": 1}).check()
+    assert "2" in str(refused.value)
 
 
 # -- robustness
