@@ -35,8 +35,8 @@ FAR = 0.1
 
 
 def findings(pictures: Path, *, short: bool = False) -> Iterator[Finding]:
-    """Figs. 1 and 2; short: 4 runs and 3 horizons for 50 and 10."""
-    seeds = range(1, 5) if short else range(1, 51)
+    """Figs. 1 and 2; short: 16 runs and 3 horizons for 50 and 10."""
+    seeds = range(1, 17) if short else range(1, 51)
     horizons = (2, 3, 10) if short else (2, 3, 4, 5, 6, 8, 10, 12, 15, 20)
     by_n = [run_sheets(seeds, N) for N in horizons]
     paper = next(horizon for horizon in by_n if horizon.N == 3)
@@ -44,6 +44,7 @@ def findings(pictures: Path, *, short: bool = False) -> Iterator[Finding]:
     yield beginning([paper, *(run_sheets(seeds, 3, start, ("cstr_mhe", "cstr_mhe_no_est")) for start in STARTS[1:])])
     yield one_step_ahead(paper, pictures)
     yield longer_windows(by_n, pictures)
+    yield nearer_with_noises(by_n)
     yield three_suffice(by_n)
 
 
@@ -113,18 +114,19 @@ def one_step_ahead(runs: Horizon, pictures: Path) -> Finding:
     first = runs.N + 1
     one, two = (runs.error(sheet, first) for sheet in ALGORITHMS)
     ratio = rms(two) / rms(one)
+    by_run = _each(two) / _each(one)
     verdict = Verdict.HOLDS if 1.0 / ALIKE <= ratio <= ALIKE else Verdict.FAILS
     _draw_fig_1(runs, pictures / "001_fig_1.png")
     accepted = runs.by_sheet["cstr_ahead"].accepted
     assert accepted is not None
     text = (
         f"N = {runs.N}, {len(runs.x)} runs. Rms error of the concentration: Algorithm 1 {rms(one):.4f}, Algorithm 2 "
-        f"{rms(two):.4f}, a ratio of {ratio:.2f} ({_each(two / rms(one)).min():.2f} to {_each(two / rms(one)).max():.2f} "
-        f"by run, over the mean of Algorithm 1). The two differ by {np.sqrt(runs.distance(*ALGORITHMS, first)):.4f} rms. "
+        f"{rms(two):.4f}, a ratio of {ratio:.2f} ({by_run.min():.2f} to {by_run.max():.2f} by run). The "
+        f"two differ by {np.sqrt(runs.distance(*ALGORITHMS, first)):.4f} rms. "
         f"{np.mean(accepted[:, first:]):.1%} of the updates are taken.\n\n"
         "Algorithm 2 is the more accurate one here, not the approximation that it is meant to be: its estimate of time t is "
         "the update of a window of N + 2 samples with an older arrival cost, Algorithm 1's is the minimum over N + 1. With so short a window one sample "
-        "more is worth more than the error of linearising. Pictured is the first run."
+        "more is worth more than the error of linearising (the table below on N = 3). Pictured is the first run."
     )
     claim = "the one-step-ahead Algorithm 2 performs nearly as Algorithm 1, despite large noise and a short window"
     return Finding(
@@ -153,45 +155,71 @@ def _draw_fig_1(runs: Horizon, path: Path) -> None:
 def longer_windows(by_n: Sequence[Horizon], pictures: Path) -> Finding:
     """Fig. 2: mean SSE of Algorithm 2 with respect to Algorithm 1."""
     first = first_frame(by_n)
-    with_noises = [runs.distance("cstr_ahead", "cstr_mhe", first) for runs in by_n]
-    own = [runs.distance("cstr_ahead_no_est", "cstr_mhe_no_est", first) for runs in by_n]
-    optimal = [runs.distance("cstr_ahead_no_est", "cstr_mhe", first) for runs in by_n]
-    falls = bool(np.all(np.diff(with_noises) < 0.0))
-    nearer = all(a < min(b, c) for a, b, c in zip(with_noises, own, optimal, strict=True))
-    verdict = Verdict.HOLDS if falls and nearer and with_noises[-1] <= FAR * with_noises[0] else Verdict.FAILS
+    found = [runs.distance("cstr_ahead", "cstr_mhe", first) for runs in by_n]
+    verdict = Verdict.HOLDS if np.all(np.diff(found) < 0.0) and found[-1] <= FAR * found[0] else Verdict.FAILS
     lengths = [runs.N for runs in by_n]
     with figure(6.4, 3.0) as drawn:
         axes = drawn.subplots()
-        for colour, values, label in zip(
+        for colour, pair, label in zip(
             COLOURS,
-            (with_noises, own, optimal),
-            (
-                "with noises, to Algorithm 1",
-                "without, to Algorithm 1 without",
-                "without, to Algorithm 1 with noises",
-            ),
+            (ALGORITHMS, ("cstr_mhe_no_est", "cstr_ahead_no_est"), ("cstr_mhe", "cstr_ahead_no_est")),
+            ("with noises", "without, to the same without", "without, to Algorithm 1 with noises"),
             strict=False,
         ):
+            values = [runs.distance(*pair, first) for runs in by_n]
             axes.semilogy(lengths, values, "o-", color=colour, markersize=3, label=label)
         axes.set_xlabel("N")
+        axes.set_xticks(lengths)
         axes.set_ylabel("mean SSE of the concentration")
         axes.legend()
         save(drawn, pictures / "001_fig_2.png")
-    rows = "\n".join(
-        f"| {N} | {a:.2e} | {b:.2e} | {c:.2e} |" for N, a, b, c in zip(lengths, with_noises, own, optimal, strict=True)
-    )
+    rows = "\n".join(f"| {N} | {value:.2e} |" for N, value in zip(lengths, found, strict=True))
     text = (
         f"{len(by_n[0].x)} runs, t = {first} to 250 for every N. The paper's \"mean SSE\" is a mean square difference, and its sum "
-        "from t = 1 has no terms before t = N + 1: there are no estimates yet. It does not say which Algorithm 1 the estimator without noises is "
-        "held against; here are both.\n\n"
-        "| N | with noises | without, to the same without | without, to Algorithm 1 with noises |\n|---|---|---|---|\n"
-        f"{rows}\n\n"
-        f"With noises the difference falls by {with_noises[0] / with_noises[-1]:.0f} times from N = {lengths[0]} to "
-        f"{lengths[-1]}. Without, Algorithm 2 also comes nearer to its own optimum, from farther, "
-        "and stays as far from Algorithm 1 with noises as that optimum itself."
+        "from t = 1 has no terms before t = N + 1: there are no estimates yet.\n\n"
+        f"| N | Algorithm 2 to Algorithm 1, with noises |\n|---|---|\n{rows}\n\n"
+        f"It falls by {found[0] / found[-1]:.0f} times: the longer the window, the less one output moves its estimates, and the "
+        "nearer is the linear update."
     )
-    claim = "with estimated noises Algorithm 2 approaches Algorithm 1 as the window grows, and is nearer to it than without"
+    claim = "with estimated noises Algorithm 2 approaches Algorithm 1 as the window grows"
     return Finding(PAPER, "Fig. 2", "longer windows", claim, verdict, "", text, ("001_fig_2.png",))
+
+
+def nearer_with_noises(by_n: Sequence[Horizon]) -> Finding:
+    """Fig. 2: Algorithm 2 with and without estimated noises."""
+    first = first_frame(by_n)
+    rows, in_mean, in_most = [], True, []
+    for runs in by_n:
+        near = runs.distance("cstr_ahead", "cstr_mhe", first)
+        own = runs.distance("cstr_ahead_no_est", "cstr_mhe_no_est", first)
+        optimal = runs.distance("cstr_ahead_no_est", "cstr_mhe", first)
+        optima = runs.distance("cstr_mhe_no_est", "cstr_mhe", first)
+        shares = runs.nearer(first)
+        in_mean &= near < min(own, optimal)
+        if min(shares) > 0.5:
+            in_most.append(runs.N)
+        numbers = " | ".join(f"{value:.2e}" for value in (near, own, optimal, optima))
+        rows.append(f"| {runs.N} | {numbers} | {shares[0]:.0%} | {shares[1]:.0%} |")
+    condition = ""
+    if in_mean and len(in_most) == len(by_n):
+        verdict = Verdict.HOLDS
+    elif in_mean or in_most:
+        verdict = Verdict.ONLY_IF
+        of_n = f"N is {', '.join(map(str, in_most))}" if in_most else "never"
+        condition = f"the mean over many runs counts; in most single runs {of_n}" if in_mean else of_n
+    else:
+        verdict = Verdict.FAILS
+    text = (
+        "The paper does not say which Algorithm 1 the estimator without noises is held against; here are both, as means over the runs, and the "
+        "share of runs in which Algorithm 2 with noises is the nearer one.\n\n"
+        "| N | with noises | without, to the same without | without, to Algorithm 1 with noises | Algorithm 1 without to with | "
+        "runs, first reading | runs, second |\n|---|---|---|---|---|---|---|\n" + "\n".join(rows) + "\n\n"
+        "The means are those of the runs in which the reactor strays far: there the windows without noises misjudge "
+        "most, and their linear update with them. In a quiet run the two differ little, and with about ten samples it is a toss-up. "
+        "To Algorithm 1 with noises the estimator without them can come no nearer than its own optimum does."
+    )
+    claim = "Algorithm 2 with estimated noises is nearer to the optimum than without"
+    return Finding(PAPER, "Fig. 2", "with and without noises", claim, verdict, condition, text)
 
 
 def three_suffice(by_n: Sequence[Horizon]) -> Finding:

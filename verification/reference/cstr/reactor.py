@@ -64,7 +64,9 @@ def step(x: Array, u: float, tuning: Tuning, w: Array | None = None, passes: int
         burnt = inflow / (leak + h * k)
         slope = a - h * k_T * burnt * leak / (leak + h * k)
         off = a * z - h * k * burnt - b
-        z = limited(z - off / slope if slope else math.nan, tuning.x2_min, tuning.x2_max)
+        before, z = z, limited(z - off / slope if slope else math.nan, tuning.x2_min, tuning.x2_max)
+        if z == before:
+            break  # no later pass would change a bit
     return np.array([inflow / (leak + h * rate_constant(z, tuning)[0]), z])
 
 
