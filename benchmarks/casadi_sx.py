@@ -10,8 +10,8 @@ CasADi C, as is   the first without what favours CasADi: least and greatest stay
 CasADi C, libm    C from SX with the functions in place of the tables, as one would write it for CasADi
 CasADi VM         CasADi's virtual machine, functions in place of the tables
 
-Each side is compiled by gcc and by clang (saoflow with backend ``c``'s flags, and both with those at -O2); the fastest of
-each side is taken. The sides take turns, ratios of processor time are taken turn by turn, medians printed. Exits with 1 if a
+Each side is compiled by gcc and by clang at each of the levels, with backend ``c``'s flags; the fastest of each side is
+taken. The sides take turns, ratios of processor time are taken turn by turn, medians printed. Exits with 1 if a
 bar is missed or a result differs. ``native.py --casadi`` asks the same with functions on CasADi's side alone.
 """
 
@@ -24,8 +24,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -46,19 +45,8 @@ Side = Callable[[], float]
 """Runs all frames once from the start; processor seconds a frame."""
 
 
-@dataclass(frozen=True, slots=True)
-class SecondLevel(Compiler):
-    """A compiler at -O2 with otherwise the same flags."""
-
-    @property
-    def flags(self) -> tuple[str, ...]:
-        """As backend ``c`` has them, but for the level."""
-        plain_flags = Compiler(self.command, self.version).flags
-        return ("-O2", *(flag for flag in plain_flags if flag not in ("-O1", "-fno-dse")))
-
-
-def compilers() -> dict[str, Compiler]:
-    """By name: gcc and clang, each twice."""
+def compilers(levels: Sequence[str]) -> dict[str, Compiler]:
+    """By name: gcc and clang, at each level; -O1 as backend ``c`` has it, another as ``SAOFLOW_CC="clang -O2"`` asks."""
     found: dict[str, Compiler] = {}
     for name in ("gcc", "clang"):
         path = shutil.which(name)
@@ -66,8 +54,7 @@ def compilers() -> dict[str, Compiler]:
             print(f"{name} is missing: apt-get install {name}")
             continue
         said = subprocess.run([path, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-        found[f"{name} -O1"] = Compiler((path,), said)
-        found[f"{name} -O2"] = SecondLevel((path,), said)
+        found |= {f"{name} {level}": Compiler((path, *([] if level == "-O1" else [level])), said) for level in levels}
     if not found:
         raise SystemExit("there is no C compiler to compare with")
     return found
@@ -165,9 +152,10 @@ def main() -> int:
     parser.add_argument("--frames", type=int, default=2000)
     parser.add_argument("--machine-frames", type=int, default=200)
     parser.add_argument("--repeat", type=int, default=9)
+    parser.add_argument("--levels", nargs="+", default=["-O1", "-O2"])
     options = parser.parse_args()
     sheet = saoflow.load("cmhe_fte")
-    program, tools = sheet.frame_program, compilers()
+    program, tools = sheet.frame_program, compilers(options.levels)
     data = Frames(program, options.frames)
     same, functions = function(program, placed), function(program, plain(program))
     texts = {"": generated(same, program, True), ", cse": generated(function(program, placed, True), program, True)}
@@ -180,7 +168,9 @@ def main() -> int:
     for name, tool in tools.items():
         ours[f"saoflow C, {name}"], out = data.saoflow(tool)
         differs += not np.array_equal(out, expected)
-        for row, text in texts.items() if name.endswith("-O2") else ():
+        for row, text in texts.items():
+            if row and not name.endswith("-O2"):
+                continue
             theirs[f"CasADi C{row}, {name}"], out = data.casadi(text, tool)
             differs += not np.array_equal(out, expected)
     best_ours, run_ours = fastest(ours, options.repeat)

@@ -10,6 +10,7 @@ import pytest
 import saoflow
 from verification.bits.__main__ import compare_flagship, compare_random
 from verification.bits.harness import TARGETS, Target, first_difference, run_c, run_interpreter
+from verification.bits.native import NATIVE as BACKEND
 
 AVAILABLE = [target for target in TARGETS if target.available]
 QUICK = [t for t in AVAILABLE if t.name in ("gcc -O2", "clang -O2", "PowerPC 750", "ARM")]
@@ -28,6 +29,19 @@ def _say_what_is_missing() -> None:
 @pytest.mark.parametrize("target", QUICK, ids=lambda t: t.name)
 def test_the_flagship_has_the_interpreters_bits(target: Target) -> None:
     assert len(compare_flagship("cmhe_fte", [target], 600, seed=3)) == 2
+
+
+def test_backend_c_has_the_interpreters_bits() -> None:
+    """One flight at a time, and in lanes, the last of them not full; random sheets are run in every width below."""
+    targets = [t for t in BACKEND if t.available and len(t.compiler) == 1]
+    first = [t for t in targets if t.compiler == targets[0].compiler]
+    chosen = [t for t in first if t.register in (0, 64)]
+    assert len(compare_flagship("umhe_fte", chosen, 2310, seed=5, flight=210)) == 4
+
+
+def test_random_sheets_in_backend_c_have_the_interpreters_bits() -> None:
+    available = [t for t in BACKEND if t.available and len(t.compiler) == 1]
+    compare_random([t for t in available if t.compiler == available[0].compiler], 4, seed=13)
 
 
 def test_random_sheets_have_the_interpreters_bits() -> None:
