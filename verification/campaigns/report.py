@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from saoflow.diagnosis import DiagnosisError, refusal
-from saoflow.report.style import svg
+from saoflow.report.style import style, svg
 from saoflow.whole_file import write_whole
 from verification.campaigns.metrics import SheetMetrics, metrics_of, to_dict
 from verification.campaigns.page import page
@@ -48,7 +48,7 @@ def _draw(metrics: Sequence[SheetMetrics], seen: dict[str, Seen], path: Path) ->
     """As PNG into the file, and as SVG."""
     if is_empty(seen):
         return []
-    with picture(metrics, seen) as drawn:
+    with style("campaign"), picture(metrics, seen) as drawn:
         save(drawn, path)
         return [svg(drawn, "campaign", "delays, detection by size and by kind of fault")]
 

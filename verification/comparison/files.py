@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from saoflow.diagnosis import did_you_mean, refusal
-from saoflow.report.style import svg
+from saoflow.report.style import style, svg
 from saoflow.whole_file import write_whole
 from verification.campaigns.page import page
 from verification.comparison.compare import Comparison
@@ -38,7 +38,7 @@ def check_output(output: str) -> Path:
 def write(comparison: Comparison, path: Path) -> None:
     """Write the page or the picture, all of it or nothing. Raises DiagnosisError E601."""
     try:
-        with picture(comparison) as drawn:
+        with style("comparison"), picture(comparison) as drawn:
             if path.suffix == ".png":
                 save(drawn, path)
                 return
