@@ -15,6 +15,7 @@ from verification.papers import (
     paper_003_fig7,
     paper_003_fig8,
     paper_003_theorem1,
+    paper_003_tuning,
 )
 from verification.papers.conditions import Factor, judged
 from verification.papers.finding import Verdict
@@ -25,7 +26,10 @@ from verification.reference.mho.mho_pe import mho_pe, mho_wod
 from verification.reference.mho.mho_wd import mho_wd
 from verification.reference.mho.tuning import MhoTuning
 
-MODULES = (paper_003, paper_003_fig5, paper_003_fig6, paper_003_fig7, paper_003_fig8, paper_003_theorem1)
+MODULES = (
+    *(paper_003, paper_003_fig5, paper_003_fig6, paper_003_fig7, paper_003_fig8),
+    *(paper_003_theorem1, paper_003_tuning),
+)
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +60,7 @@ def test_the_verdicts(found):
         "Theorem 1: bound and horizon": Verdict.HOLDS,
         "Section 4.3: delta_Gamma": Verdict.ONLY_IF,
         "Section 4.3: delta_Xi": Verdict.ONLY_IF,
+        "Section 4.3: choice of M": Verdict.HOLDS,
     }
 
 
