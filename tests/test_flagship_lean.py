@@ -71,7 +71,7 @@ def test_operations_and_budget() -> None:
     """At most 9 500 was asked; less than a quarter of the flagship is what it takes."""
     counted = saoflow.load("cmhe_fte_lean").budget().tree
     assert 4 * counted.total < saoflow.load("cmhe_fte").budget().tree.total
-    assert counted.total <= 4000
+    assert counted.total <= 4200
 
 
 # -- step by step from the state of cmhe_fte

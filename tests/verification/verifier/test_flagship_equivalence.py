@@ -165,7 +165,7 @@ def test_a_planted_defect_is_found_and_located(tmp_path, defect):
     ("parameter", "value", "first"),
     [
         ("q_w", 1.000001, "Q_bar (46f)"),
-        ("n_detect", 6, "faulty"),
+        ("n_detect", 6, "wind from before"),
         ("vg_valid_min", 100.0001, "Theta"),
         ("z_nominal", 3000.001, "held inputs"),
         ("wx_max", 60.0001, "r_y (46e)"),
