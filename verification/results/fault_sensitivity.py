@@ -25,8 +25,8 @@ from verification.reference.model import output, transition, transition_jacobian
 from verification.reference.tuning import Tuning
 from verification.results.fig4 import FAULT, FLIGHT
 
-VC = 3
-"""Where the airspeed stands in y."""
+ALPHA, VC = 2, 3
+"""Where the air data stand in y."""
 
 STATES, INPUTS = ("alpha", "V_g", "W_x", "W_z"), ("u_alpha", "u_v", "u_wx", "u_wz")
 
@@ -143,10 +143,10 @@ def next_outputs(trace: Trace, following: Trace, tuning: Tuning) -> Array:
     return product
 
 
-def lasting(S: Array, samples: int) -> float:
-    """The airspeed residual's answer to an airspeed fault of 1 that has lasted through the window and the next sample."""
-    columns = [4 + 8 * i + 4 + VC for i in range(samples - 1)] + [8 * samples - 4 + VC, 8 * samples + VC]
-    return float(S[VC, columns].sum())
+def lasting(S: Array, samples: int, output: int = VC) -> float:
+    """A residual's answer to a fault of 1 of its own sensors that has lasted through the window and the next sample."""
+    columns = [8 + 8 * i + output for i in range(samples - 1)] + [8 * samples - 4 + output, 8 * samples + output]
+    return float(S[output, columns].sum())
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ class Sensitivity:
     active: tuple[str, ...]
     """The bounds that hold the exact solution of (42), as "W_x of k-2"."""
     free: float
-    """The residual's answer to a lasting airspeed fault without bounds."""
+    """The residual's answer to a lasting fault without bounds: of airspeed, or of the output asked for."""
     held: float
     """And with the active ones."""
     printed: tuple[float, float]
@@ -166,8 +166,8 @@ class Sensitivity:
     """The same with faults and residuals counted in standard deviations."""
 
 
-def sensitivity(frame: int, trace: Trace, following: Trace, tuning: Tuning) -> Sensitivity:
-    """Both sensitivities of one window, at the same estimate."""
+def sensitivity(frame: int, trace: Trace, following: Trace, tuning: Tuning, output: int = VC) -> Sensitivity:
+    """Both sensitivities of one window, at the same estimate; the answers are those of one output."""
     n = len(trace.qp.x)
     _, active = solve(problem(trace.qp, tuning))
     ahead = next_outputs(trace, following, tuning)
@@ -184,8 +184,8 @@ def sensitivity(frame: int, trace: Trace, following: Trace, tuning: Tuning) -> S
     return Sensitivity(
         frame,
         tuple(_name(int(i), n) for i in np.flatnonzero(active)),
-        lasting(S, n),
-        lasting(S_a, n),
+        lasting(S, n, output),
+        lasting(S_a, n, output),
         ends(S_a @ S_a.T - S @ S.T),
         ends(scaled_a @ scaled_a.T - scaled @ scaled.T),
     )
@@ -207,13 +207,13 @@ def _name(entry: int, samples: int) -> str:
     return f"{names[i % 4]} of k{f'-{age}' if age else ''}"
 
 
-def on_flight(inputs: Mapping[str, npt.ArrayLike], tuning: Tuning) -> tuple[Sensitivity, ...]:
+def on_flight(inputs: Mapping[str, npt.ArrayLike], tuning: Tuning, output: int = VC) -> tuple[Sensitivity, ...]:
     """Every frame of a run of CMHE whose window has all its measurements and whose solution lies on a bound."""
     traces = run_traces(inputs, tuning)
     found = []
     for k in range(tuning.n_inhibit, len(traces) - 1):
         if traces[k].window.row_mask.all():
-            one = sensitivity(k, traces[k], traces[k + 1], tuning)
+            one = sensitivity(k, traces[k], traces[k + 1], tuning, output)
             if one.active:
                 found.append(one)
     return tuple(found)

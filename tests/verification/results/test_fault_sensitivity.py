@@ -12,6 +12,7 @@ from verification.reference.tuning import Tuning
 from verification.results.fault_sensitivity import (
     VC,
     by_count,
+    deviations,
     held_newest,
     next_outputs,
     on_flight,
@@ -133,3 +134,27 @@ def test_a_lasting_fault_by_direct_perturbation(traces):
         higher[:, VC] += 0.01
         moved = by_quadprog(replace(trace.qp, r_y=higher)) - by_quadprog(trace.qp)
         assert 1.0 - (ahead @ moved[8:12])[VC] / 0.01 == pytest.approx(answer, abs=0.01)
+
+
+@pytest.mark.parametrize("k", [100, 152])
+def test_in_standard_deviations_the_inequality_is_turned_by_proof(traces, k):
+    """S U S' = Phi J_1 X J_1' Phi' + R with U = diag(V, R), since X H X = X: the held X_a <= X makes it smaller.
+
+    X is made from the inverse of the KKT matrix of (31) and (37) here, not from a null space.
+    """
+    trace, ahead = traces[k], next_outputs(traces[k], traces[k + 1], TUNING)
+    given = problem(trace.qp, TUNING)
+    _, active = solve(given)
+    weight = np.concatenate([deviations(N, TUNING), np.sqrt(TUNING.R)])
+    H = given.G.T @ given.G
+    sizes = []
+    for held in (np.zeros_like(active), active):
+        A = given.S[held] / np.linalg.norm(given.S[held], axis=1)[:, None]
+        kkt = np.block([[H, A.T], [A, np.zeros((len(A), len(A)))]])
+        X = np.linalg.pinv(kkt)[: len(H), : len(H)]
+        newest = ahead @ given.S[4 * (N - 1) : 4 * N]
+        S = residual_sensitivity(trace.qp, held, ahead, TUNING) * weight
+        right = newest @ X @ newest.T + np.diag(TUNING.R)
+        np.testing.assert_allclose(S @ S.T, right, rtol=1e-6, atol=1e-9)
+        sizes.append(right)
+    assert np.linalg.eigvalsh(sizes[1] - sizes[0]).max() < 1e-9
