@@ -72,7 +72,7 @@ def test_commands_exist(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_every_sheet_of_the_flagship_is_in_the_table() -> None:
-    names = {sheet.name.text for name in ("cmhe_fte", "umhe_fte") for sheet in reading_order(name)}
+    names = {sheet.name.text for name in ("cmhe_fte", "umhe_fte", "ekf_fte") for sheet in reading_order(name)}
     assert names == {path.stem for path in (ROOT / "saoflow" / "diagrams" / "cmhe_fte").glob("*.yaml")}
 
 
