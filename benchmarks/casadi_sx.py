@@ -32,7 +32,7 @@ import numpy as np
 from casadi_program import function, generated, placed, plain
 
 import saoflow
-from saoflow.codegen.cache import cache_folder
+from saoflow.cache import cache_folder
 from saoflow.codegen.compiler import Compiler, compiled
 from saoflow.codegen.native import NativeSimulator
 from saoflow.codegen.objects import Objects

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from saoflow.codegen.cache import Folder, part_prefix
+from saoflow.cache import Folder, part_prefix
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 
 STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from saoflow.codegen.cache import Folder, cache_folder
+from saoflow.cache import Folder, cache_folder
 from saoflow.codegen.compiler import Compiler, compiled, digest, object_name
 from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis

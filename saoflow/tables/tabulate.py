@@ -18,6 +18,7 @@ import numpy as np
 from saoflow.enclosure import Interval, ball_arithmetic, enclose, enclose_2d
 from saoflow.formula import Formula, evaluate, variables
 from saoflow.operations import Table
+from saoflow.tables import kept
 from saoflow.tables.evaluation import PreparedTable, TabulateError, TabulateProblem, evaluate_table, prepare
 from saoflow.tables.proof import (
     RELATIVE_FLOOR,
@@ -77,18 +78,29 @@ def tabulate(
 def _tabulate(
     name: str, formula: Formula, ends: tuple[Interval, ...], error: float, relative: bool, linear: bool
 ) -> Table:
+    key = kept.key_of(formula, ends, error, relative, linear)
+    numbers = kept.read(key)
+    if numbers is None:
+        numbers = _found(name, formula, ends, error, relative, linear)
+        kept.write(key, numbers)
+    axes, values, proved = numbers
+    for array in (*axes, values):
+        array.flags.writeable = False
+    return Table(name, axes, values, linear, formula, proved, relative)
+
+
+def _found(
+    name: str, formula: Formula, ends: tuple[Interval, ...], error: float, relative: bool, linear: bool
+) -> kept.Numbers:
+    """Breakpoints and values, and the proof of their error."""
     with ball_arithmetic():
         _check_regular(name, formula, ends, linear)
         scale = _scale(formula, ends) if relative else None
         # Half of the sampled scale, so that the floor stays below the one that the finished table defines.
         floor = None if scale is None else 0.5 * RELATIVE_FLOOR * scale
         if len(ends) == 1:
-            axes, values, proved = _tabulate_1d(name, formula, ends[0], error, floor, linear)
-        else:
-            axes, values, proved = _tabulate_2d(name, formula, ends, error, floor, linear)
-    for numbers in (*axes, values):
-        numbers.flags.writeable = False
-    return Table(name, axes, values, linear, formula, proved, relative)
+            return _tabulate_1d(name, formula, ends[0], error, floor, linear)
+        return _tabulate_2d(name, formula, ends, error, floor, linear)
 
 
 def _check_arguments(name: str, formula: Formula, ends: tuple[Interval, ...], error: float, relative: bool) -> None:

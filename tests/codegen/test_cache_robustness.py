@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from saoflow.codegen.cache import Folder, part_prefix
+from saoflow.cache import Folder, part_prefix
 from saoflow.codegen.compiler import find_compiler
 
 pytestmark = pytest.mark.skipif(

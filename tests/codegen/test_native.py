@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import saoflow
-from saoflow.codegen import cache, compiler, native, objects
+from saoflow import cache
+from saoflow.codegen import compiler, native, objects
 from saoflow.codegen.compiler import find_compiler
 from saoflow.codegen.native import NativeSimulator
 from saoflow.diagnosis import DiagnosisError

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from saoflow.codegen.cache import Folder
+from saoflow.cache import Folder
 from saoflow.codegen.compiler import Compiler
 from saoflow.codegen.native import NativeSimulator
 from saoflow.codegen.objects import Objects
