@@ -1,39 +1,78 @@
-"""Whether a fault must be found: whether the residual that it makes has to exceed the threshold.
+"""Which faults must be found: those whose residual has to exceed the threshold.
 
-The rule looks at the fault's own signal (reading with the fault minus reading without it, no noise) and at the truth of
-the flight, never at what an estimator made of them. The rms of the signal over the evaluation window must stay above
-:data:`MARGIN` times the threshold for a whole window. Of three faulty sensors of a kind, what wind inside its bounds
-can explain is taken away first: airspeeds that move together by no more than the horizontal wind may still change look
-like wind, and so do angles of attack by the vertical wind over the airspeed.
+The rule looks at the fault's own signal e (the reading with the fault minus the one without it, no noise) and at the truth
+of the flight, never at what an estimator made of them.
+
+1. What reaches the estimator. Of one faulty sensor the fusion lets at most a third through, its share before its own
+   residual has lowered its weight. Of two that are wrong alike it may let all through: they are the majority, and where
+   they drift slowly nothing in them tells who is wrong. Of three it does.
+2. What the estimator makes of that. What is let through is an airspeed or an angle of attack that wind could explain. How
+   fast the wind estimate follows is given by the weights P, Q, R, as the paper's fault sensitivity (36) says, and how far
+   by the bounds of wind, (39); the true wind of the flight uses up its part of them (`explained`).
+3. What must be seen. The residual is e minus what the prediction followed; its rms J over the evaluation window, (18), must
+   exceed the threshold by :data:`MARGIN` in n_D of N_eval frames.
+4. When. A runaway may take all flight. The other kinds begin at full size: they count by what they are within
+   :data:`FIRST_S` of the onset, one period of Table II's slowest oscillation. A sensor that jams near its true value, or
+   one that does not return to zero near zero, is wrong by little then; it may be found later, when the flight has made more
+   of it (`after` says from when it has to be). It is counted apart, as are all others, found or not.
+
+White noise is its own rms: no wind explains it, and the prediction does not know it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from verification.campaigns.explained import airspeed_window, alpha_window, followed
 from verification.flights import Fault
 from verification.flights.faults import UNIT_IN_RECORDING
 from verification.recordings import Recording
 from verification.recordings.recording import Array
+from verification.reference.air_data import calibrated_airspeed
+from verification.reference.arrays import DEGREE, KNOT
 from verification.reference.tuning import Tuning
 
-MARGIN = 1.25
-"""Above the threshold: for sensor noise, and for what the fusion lets through."""
+MARGIN = 1.1
+"""Above the threshold, for noise: that of a sensor and of the prediction moves an rms of 10 samples by 2.5 % of either
+threshold (one standard deviation)."""
+
+LET_THROUGH = {1: 1.0 / 3.0, 2: 1.0, 3: 1.0}
+"""The share of a fault of so many sensors that the fusion may let through."""
+
+FIRST_S = 2.0
+"""[s]: within this time of the onset a fault that begins at full size shows what it is."""
+
+SETTLED = 60
+"""Frames before the onset from which the wind is followed: several times as long as the estimate needs to settle."""
 
 
 def detectable(fault: Fault, truth: Recording, tuning: Tuning) -> bool:
     """Whether ``fault`` on the flight ``truth`` must be found with ``tuning``."""
-    signal = np.abs(signal_of(fault, truth))
-    if len(fault.which) == 3:
-        signal = np.maximum(signal - _room(fault, truth, tuning), 0.0)
-    threshold = tuning.alpha_threshold if fault.sensor == "alpha" else tuning.vc_threshold
-    n = tuning.n_eval
-    if len(signal) < 2 * n:
-        return False
-    total = np.cumsum(np.concatenate([[0.0], signal**2]))
-    above = np.sqrt((total[n:] - total[:-n]) / n) > MARGIN * threshold
-    counts = np.cumsum(np.concatenate([[0], above]))
-    return bool((counts[n:] - counts[:-n] == n).any())
+    return after(fault, truth, tuning, None if fault.kind == "runaway" else FIRST_S) is not None
+
+
+def after(fault: Fault, truth: Recording, tuning: Tuning, within: float | None = None) -> float | None:
+    """The time from onset until ``fault`` must have been found [s]; None: never, or not ``within`` [s] of the onset."""
+    signal = signal_of(fault, truth)
+    if within is not None:
+        signal = signal[: round(within / truth.period) + 1]
+    alpha = fault.sensor == "alpha"
+    limit = (MARGIN * (tuning.alpha_threshold if alpha else tuning.vc_threshold)) ** 2 * tuning.n_eval
+    if fault.kind == "noise":
+        residual: Iterator[float] = iter(signal)
+    elif signal.size == 0 or np.abs(signal).max() ** 2 * tuning.n_eval <= limit / 4.0:
+        return None  # far below: not even a residual that wind doubles
+    else:
+        residual = _residual_alpha(fault, signal, truth, tuning) if alpha else _residual_vc(fault, signal, truth, tuning)
+    squares, above = [0.0] * tuning.n_eval, [False] * tuning.n_eval
+    for k, value in enumerate(residual):
+        squares[k % tuning.n_eval] = value * value
+        above[k % tuning.n_eval] = sum(squares) > limit
+        if sum(above) >= tuning.n_detect:
+            return k * truth.period
+    return None
 
 
 def signal_of(fault: Fault, truth: Recording) -> Array:
@@ -46,9 +85,38 @@ def signal_of(fault: Fault, truth: Recording) -> Array:
     return (faulty - reading)[first:] / UNIT_IN_RECORDING[fault.sensor]
 
 
-def _room(fault: Fault, truth: Recording, tuning: Tuning) -> Array | float:
-    """How much of the signal wind inside its bounds explains [deg or kt]."""
+def _residual_vc(fault: Fault, signal: Array, truth: Recording, tuning: Tuning) -> Iterator[float]:
+    """The residual of a faulty airspeed sensor from the onset on [kt]."""
+    first, past, flown = _frames(fault, signal, truth)
+    wind, let = truth["wx_true"][flown] * KNOT, _let_through(fault, signal, past) * KNOT
+    v_t = (truth["vg"][first] - truth["wx_true"][first]) * KNOT
+    slope = float(calibrated_airspeed(np.array(max(v_t, tuning.vt_min)), truth["z"][first])[1])
+    # Tail wind lowers the airspeed: the wind that would explain the reading is lower by what is added to it.
+    predicted = followed(airspeed_window(slope, tuning), wind, (wind - let / slope)[:, None], np.zeros(len(wind)))
+    for k, x in enumerate(predicted):
+        if k >= past:
+            yield float(signal[k - past] + slope * (x[0] - wind[k]) / KNOT)
+
+
+def _residual_alpha(fault: Fault, signal: Array, truth: Recording, tuning: Tuning) -> Iterator[float]:
+    """The residual of a faulty angle-of-attack sensor from the onset on [deg]."""
+    first, past, flown = _frames(fault, signal, truth)
+    wind, let = truth["wz_true"][flown] * KNOT, _let_through(fault, signal, past) * DEGREE
+    v_g = float(truth["vg"][first]) * KNOT
+    # (8): rising vertical wind turns the air away under the model, which does not know it.
+    drift = np.diff(wind, prepend=wind[0]) / v_g
+    predicted = followed(alpha_window(v_g, tuning), wind, np.column_stack([let, -wind]), drift)
+    for k, x in enumerate(predicted):
+        if k >= past:
+            yield float(signal[k - past] - x[0] / DEGREE)
+
+
+def _frames(fault: Fault, signal: Array, truth: Recording) -> tuple[int, int, slice]:
+    """The frame of the onset, how many frames before it are followed, and all that are."""
     first = fault.onset_frame(truth.period)
-    if fault.sensor == "vc":
-        return tuning.wx_max + np.abs(truth["wx_true"][first:])
-    return np.degrees((tuning.wz_max + np.abs(truth["wz_true"][first:])) / np.maximum(truth["vc_true"][first:], 50.0))
+    past = min(first, SETTLED)
+    return first, past, slice(first - past, first + len(signal))
+
+
+def _let_through(fault: Fault, signal: Array, past: int) -> Array:
+    return LET_THROUGH[len(fault.which)] * np.concatenate([np.zeros(past), signal])
