@@ -1,7 +1,8 @@
 """The documents of the shipped campaigns: ``python -m verification.campaigns.documents [-o docs/campaign] [--runs DIR]``.
 
-Runs the shipped campaigns `table_iv` and `monte_carlo` and copies their reports: NAME.md and NAME.png. ``--runs`` keeps the
-runs, and goes on from them. The first time, flights are recorded for some minutes.
+Runs the shipped campaigns `table_iv` and `monte_carlo` and copies their reports: NAME.md, NAME.png, and NAME.json,
+which ``python -m verification.papers`` reads. ``--runs`` keeps the runs, and goes on from them. The first time, flights are
+recorded for some minutes.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def _write(name: str, runs: Path, output: Path) -> None:
     campaign = load_campaign(name)
     _, files = write_report(campaign, run_campaign(campaign, runs).results)
     for path in files:
-        if path.suffix in (".md", ".png"):
+        if path.suffix in (".md", ".png", ".json"):
             content = path.read_bytes()
             if path.suffix == ".md":
                 content += f"\n![delays, detection by size and by kind of fault]({name}.png)\n".encode()
