@@ -88,26 +88,35 @@ def table_iii(name: str, sheet: Json, claim: str) -> Finding:
 
 
 def table_iv(name: str, sheet: Json, claim: str) -> Finding:
-    """Decisions: no rate above the paper's by more than a run or two in a hundred, no mean delay above it by a tenth."""
+    """Decisions. Holds: no rate above the paper's and 1 %, no mean delay above it by a tenth; or so of what must be found."""
     ours = {sensor: _decisions(sheet, sensor) for sensor in WORDS}
     words = ("false alarms", "missed detections", "false isolations")
     worse = [
         f"{words[i]} of {WORDS[s]}" for s, values in ours.items() for i in range(3) if values[i] > max(1.0, TABLE_IV[s][i])
     ]
     worse += [f"the mean delay of {WORDS[s]}" for s, values in ours.items() if values[4] > 1.1 * TABLE_IV[s][4]]
-    verdict, condition = _judged(len(worse), 8, worse)
+    alarms = all(values[0] <= 1.0 and values[2] <= max(1.0, TABLE_IV[s][2]) for s, values in ours.items())
+    found = all(sheet["faulty"][s]["detectable"] and not sheet["faulty"][s]["detectable_missed"] for s in WORDS)
+    fast = {s: _number(sheet["faulty"][s]["fast_delay"]["mean"]) for s in WORDS}
+    verdict, condition = Verdict.FAILS, ""
+    if not worse:
+        verdict = Verdict.HOLDS
+    elif alarms and found and all(fast[s] <= 1.1 * TABLE_IV[s][4] for s in WORDS):
+        verdict = Verdict.ONLY_IF
+        condition = "misses and delays are counted of faults whose own signal exceeds the threshold; smaller ones are missed or found late"
     rows = "\n".join(
         f"| {WORDS[s]} | {who} | " + " | ".join(f"{v:.2f}" for v in values) + " |"
         for s in WORDS
         for who, values in (("saoflow", ours[s]), ("paper", TABLE_IV[s]))
     )
     must = "; ".join(
-        f"{WORDS[s]} {sheet['faulty'][s]['detectable_missed']} missed of {sheet['faulty'][s]['detectable']}" for s in WORDS
+        f"{WORDS[s]} {sheet['faulty'][s]['detectable_missed']} missed of {sheet['faulty'][s]['detectable']}, the mean delay of the fast ones among them {fast[s]:.2f} s"
+        for s in WORDS
     )
     text = (
         f"{name[0].upper()}{name[1:]}; winds inside the assumed bounds.\n\n"
         f"| sensors | | FAR, % | MDR, % | FIR, % | largest delay, s | mean delay, s |\n|---|---|---|---|---|---|---|\n{rows}\n\n"
-        f"Of the faults whose residual must exceed the threshold (`verification/campaigns/detectable.py`): {must}. The paper draws amplitudes from its Table II down to "
+        f"Of the faults whose own signal holds the residual above the threshold (`verification/campaigns/detectable.py`): {must}. The paper draws amplitudes from its Table II down to "
         "0.5 deg and 10 kt, below its thresholds, and does not publish its mix; ours is log-uniform, so it has many that no threshold detector can find."
     )
     return Finding(PAPER, "Table IV", "fault diagnosis", claim, verdict, condition, text)

@@ -111,13 +111,13 @@ def test_the_rules_of_figs_3_and_6_follow_the_numbers(tmp_path: Path):
     assert paper_004.fig_6a([wrong], tmp_path).verdict is Verdict.FAILS
 
 
-def report(missed=0, mean_error=0.24, delay=0.75):
+def report(missed=0, mean_error=0.24, delay=0.75, fast=0.5):
     """A campaign's report with the paper's own Tables III and IV."""
 
     def figures(errors, faulty, wrong, spread):
         return {
             "hit": 80, "missed": missed if faulty else 0, "detectable": 70, "detectable_missed": 0, "wrong": wrong,
-            "delay": spread, "error": list(errors),
+            "delay": spread, "fast_delay": {"largest": 1.0, "mean": fast}, "error": list(errors),
         }  # fmt: skip
 
     free = {"runs": 140, "alpha": figures((2.44, 0.02), False, 0, {"largest": None, "mean": None})}
@@ -135,6 +135,7 @@ def test_tables_iii_and_iv_come_from_a_campaigns_report(tmp_path: Path):
         (report(missed=20), [Verdict.HOLDS, Verdict.ONLY_IF]),
         (report(mean_error=0.9), [Verdict.ONLY_IF, Verdict.HOLDS]),
         (report(delay=2.0), [Verdict.HOLDS, Verdict.ONLY_IF]),
+        (report(delay=2.0, fast=1.0), [Verdict.HOLDS, Verdict.FAILS]),
     ):
         path.write_text(json.dumps(given))
         found = list(paper_004_tables.tables(paper_004_tables.reported(tmp_path)))
