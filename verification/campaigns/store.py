@@ -132,10 +132,10 @@ class Store:
     def has(self, chunk: Chunk) -> bool:
         """Whether the chunk's rows are there, all of them."""
         try:
-            metadata = self._arrow.parquet.read_metadata(self._part(chunk))
+            with self._arrow.parquet.ParquetFile(self._part(chunk)) as file:
+                return bool(file.metadata.num_rows == len(chunk))
         except (OSError, self._arrow.ArrowException):
             return False
-        return bool(metadata.num_rows == len(chunk))
 
     def keep(self, chunk: Chunk, rows: Sequence[Row]) -> None:
         """Write the rows of a chunk. Raises DiagnosisError E601."""
@@ -176,7 +176,8 @@ class Store:
     def _groups(self, chunks: Iterable[Chunk]) -> Iterator[Any]:
         waiting: list[Any] = []
         for chunk in chunks:
-            waiting.append(self._arrow.parquet.read_table(self._part(chunk)))
+            with self._arrow.parquet.ParquetFile(self._part(chunk)) as file:
+                waiting.append(file.read(use_threads=False))  # threads would keep memory of their own
             if sum(len(table) for table in waiting) >= _GROUP:
                 yield self._arrow.concat_tables(waiting).combine_chunks()
                 waiting = []
@@ -190,7 +191,7 @@ def rows_of(path: str | os.PathLike[str]) -> Iterator[Row]:
     try:
         with arrow.parquet.ParquetFile(path) as file:
             for group in range(file.num_row_groups):
-                for record in file.read_row_group(group).to_pylist():
+                for record in file.read_row_group(group, use_threads=False).to_pylist():
                     yield Row(**record)
     except (OSError, TypeError, arrow.ArrowException) as error:
         raise refusal(
