@@ -190,3 +190,24 @@ def test_a_variance_of_a_tenth_does_not_give_table_i():
         assert right[name] == pytest.approx(value, rel=0.2), name
     wide = sums(ScalarSystem(noise=(0.05 - half_width, 0.05 + half_width)))
     assert all(wide[name] > 1.8 * value for name, value in table.items())
+
+
+def test_a_general_solver_with_its_default_tolerance_stays_where_it_starts():
+    """Why the cost is divided by R: SLSQP as scipy delivers it ends at once on the cost as printed, not on the scaled one."""
+    from scipy.optimize import minimize
+
+    recording = ScalarSystem(duration=0.3).recording(1)
+    window, solution = over_run(recording["y"], recording["u"], nonlinear, replace(TUNING, iterations=10))[20]
+    begin = np.concatenate([[window.s], recording["x_true"][12:21]])
+    weights, bounds = TUNING.second, [(-1.0, 2.0)] * len(begin)
+
+    def cost(x, scale):
+        moved = x[1:] - f(x[:-1], window.u, 0.01)
+        terms = weights.p * (x[0] - window.s) ** 2 + weights.q * moved @ moved + weights.r * np.sum((window.y - x) ** 2)
+        return scale * terms
+
+    printed = minimize(cost, begin, args=(1.0,), method="SLSQP", bounds=bounds).x
+    scaled = minimize(cost, begin, args=(1.0 / weights.r,), method="SLSQP", bounds=bounds).x
+    assert np.abs(begin - solution).max() > 0.005
+    assert np.abs(printed - begin).max() < 0.1 * np.abs(begin - solution).max()
+    assert np.abs(scaled - solution).max() < 0.1 * np.abs(begin - solution).max()
