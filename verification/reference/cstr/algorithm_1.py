@@ -52,7 +52,8 @@ class DampedPass:
 def estimate_first(first: Array, given: Information, tuning: Tuning, passes: int | None = None) -> list[DampedPass]:
     """Run damped passes (Levenberg, Marquardt) for the first state (2,); the last pass holds the best window.
 
-    Without noises the cost is far from quadratic: undamped steps diverge in one window of a hundred.
+    Without noises the cost is far from quadratic: where the reactor strays far, undamped passes lose a window now and
+    then (`python -m verification.results.reactor_passes`).
     """
     trial = saturate(first, tuning.lower, tuning.upper)
     damping, done = tuning.damping, list[DampedPass]()
