@@ -16,6 +16,7 @@ from verification.papers import (
     paper_003_fig8,
     paper_003_theorem1,
     paper_003_tuning,
+    paper_003_weighed,
 )
 from verification.papers.conditions import Factor, judged
 from verification.papers.finding import Verdict
@@ -28,7 +29,7 @@ from verification.reference.mho.tuning import MhoTuning
 
 MODULES = (
     *(paper_003, paper_003_fig5, paper_003_fig6, paper_003_fig7, paper_003_fig8),
-    *(paper_003_theorem1, paper_003_tuning),
+    *(paper_003_theorem1, paper_003_tuning, paper_003_weighed),
 )
 
 
@@ -60,6 +61,7 @@ def test_the_verdicts(found):
         "Theorem 1: bound and horizon": Verdict.HOLDS,
         "Section 4.3: delta_Gamma": Verdict.ONLY_IF,
         "Section 4.3: delta_Xi": Verdict.ONLY_IF,
+        "Section 6: the compromise": Verdict.ONLY_IF,
     }
 
 
@@ -69,6 +71,7 @@ def test_the_conditions_are_what_is_known_of_the_paper(found):
     for name in ("Fig. 3: estimates with N = 2", "Fig. 6: MHO-PE against the EKF"):
         assert "constant errors" in found[name].condition
         assert "nothing else" not in found[name].condition
+    assert "one long horizon" in found["Section 6: the compromise"].condition
     assert "condensed" in found["Fig. 7: computation time"].condition
     assert "standard deviations" in found["Theorem 1: bound of the error"].condition
 
