@@ -3,9 +3,10 @@
 The rule looks at the fault's own signal e (the reading with the fault minus the one without it, no noise) and at the truth
 of the flight, never at what an estimator made of them.
 
-1. What reaches the estimator. Of one faulty sensor the fusion lets at most a third through, its share before its own
-   residual has lowered its weight. Of two that are wrong alike it may let all through: they are the majority, and where
-   they drift slowly nothing in them tells who is wrong. Of three it does.
+1. What reaches the estimator. The fusion weighs sensors by their residuals, so those that jump away from the prediction
+   have no more than their share by number: a third of one, two thirds of two. Of two that run away alike it may let all
+   through: they are the majority, they draw the prediction with them, and nothing in them tells who is wrong. Of three
+   it always does.
 2. What the estimator makes of that. What is let through is an airspeed or an angle of attack that wind could explain. How
    fast the wind estimate follows is given by the weights P, Q, R, as the paper's fault sensitivity (36) says, and how far
    by the bounds of wind, (39); the true wind of the flight uses up its part of them (`explained`).
@@ -38,8 +39,11 @@ MARGIN = 1.1
 """Above the threshold, for noise: that of a sensor and of the prediction moves an rms of 10 samples by 2.5 % of either
 threshold (one standard deviation)."""
 
-LET_THROUGH = {1: 1.0 / 3.0, 2: 1.0, 3: 1.0}
-"""The share of a fault of so many sensors that the fusion may let through."""
+JUMP = {1: 1.0 / 3.0, 2: 2.0 / 3.0, 3: 1.0}
+"""The share of a fault of so many sensors that the fusion may let through, if it begins at full size."""
+
+DRIFT = {1: 1.0 / 3.0, 2: 1.0, 3: 1.0}
+"""The same of a runaway."""
 
 FIRST_S = 2.0
 """[s]: within this time of the onset a fault that begins at full size shows what it is."""
@@ -119,4 +123,5 @@ def _frames(fault: Fault, signal: Array, truth: Recording) -> tuple[int, int, sl
 
 
 def _let_through(fault: Fault, signal: Array, past: int) -> Array:
-    return LET_THROUGH[len(fault.which)] * np.concatenate([np.zeros(past), signal])
+    share = DRIFT if fault.kind == "runaway" else JUMP
+    return share[len(fault.which)] * np.concatenate([np.zeros(past), signal])
