@@ -50,13 +50,17 @@ def test_every_estimate_is_inside_its_bounds_whatever_comes_in(name: str):
 @pytest.mark.parametrize(
     ("file", "right", "wrong"),
     [
-        ("window_estimate.yaml", "rhs: {add: [Ps, CRy, -rhs_next, rhs_before]}", "rhs: {add: [Ps, CRy, rhs_next, rhs_before]}"),
+        (
+            "window_estimate.yaml",
+            "rhs: {add: [Ps, CRy, -rhs_next, rhs_before]}",
+            "rhs: {add: [Ps, CRy, rhs_next, rhs_before]}",
+        ),
         ("window_estimate.yaml", "none_before: {add: [1, -before]}", "none_before: {add: [1, 0]}"),
         ("active_set_pass.yaml", "kept_high: {and: [at_high, up]}", "kept_high: {and: [at_high, down]}"),
-        ("active_set_pass.yaml", "from_next: {mul: [e, \"known[1:]\"]}", "from_next: {mul: [e, \"known[:-1]\"]}"),
+        ("active_set_pass.yaml", 'from_next: {mul: [e, "known[1:]"]}', 'from_next: {mul: [e, "known[:-1]"]}'),
         ("tridiagonal_backward.yaml", "[reduced, -known]", "[reduced, known]"),
         ("scalar_system.yaml", "change: {add: [rate, u]}", "change: {add: [rate, 1]}"),
-        ("arrival.yaml", "\"x[1:]\"", "\"x[:-1]\""),
+        ("arrival.yaml", '"x[1:]"', '"x[:-1]"'),
         ("double_mhe.yaml", "1e-5", "1.00001e-5"),
     ],
 )

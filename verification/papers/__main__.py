@@ -1,4 +1,4 @@
-"""``python -m verification.papers [-o docs/papers] [--only 003] [--short]``: the papers' results, made again and judged."""
+"""``python -m verification.papers [-o docs/papers] [--only 003] [--short]``: the papers' results, made again."""
 
 from __future__ import annotations
 

@@ -91,9 +91,13 @@ def draw_fig_6a(pictures: Path) -> None:
     out = run("cmhe_fte", [readings])
     time, sensed = np.arange(len(truth)) * truth.period, readings.inputs()
     with figure(7.4, 2.7) as drawn:
-        for axes, sensor, unit, scale in zip(drawn.subplots(1, 2), ("alpha", "vc"), ("deg", "kt"), (DEGREES, 1.0), strict=True):
+        for axes, sensor, unit, scale in zip(
+            drawn.subplots(1, 2), ("alpha", "vc"), ("deg", "kt"), (DEGREES, 1.0), strict=True
+        ):
             axes.plot(time, sensed[sensor][:, 2] * scale, color=SOFT, linewidth=0.3, alpha=0.6, label="healthy sensor")
-            axes.plot(time, sensed[sensor][:, :2] * scale, color=COLOURS[1], linewidth=0.9, label=("jammed sensors", None))
+            axes.plot(
+                time, sensed[sensor][:, :2] * scale, color=COLOURS[1], linewidth=0.9, label=("jammed sensors", None)
+            )
             axes.plot(time, out[f"{sensor}_hat"][0] * scale, color=COLOURS[0], linewidth=0.9, label="estimate")
             axes.plot(time, truth[f"{sensor}_true"] * scale, color=TRUTH, linewidth=0.7, label="true")
             for row in out[f"{sensor}_faulty"][0].T:

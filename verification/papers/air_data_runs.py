@@ -119,7 +119,9 @@ class Runaway:
         return error
 
 
-def runaway(sheet: str, seeds: Sequence[int], duration: float = 45.0, fault: Fault = FAULT, flight: str = CALM) -> Runaway:
+def runaway(
+    sheet: str, seeds: Sequence[int], duration: float = 45.0, fault: Fault = FAULT, flight: str = CALM
+) -> Runaway:
     """Three airspeed sensors run away together."""
     truth = load_recording(flight).part(0.0, duration)
     readings = [sensors(truth, seed, faults=[fault]) for seed in seeds]
@@ -156,7 +158,9 @@ class Rate:
     rms: float
 
 
-def rates(scenario: Scenario, sheets: Sequence[str], weights: Sequence[float], tried: Sequence[float]) -> tuple[Rate, ...]:
+def rates(
+    scenario: Scenario, sheets: Sequence[str], weights: Sequence[float], tried: Sequence[float]
+) -> tuple[Rate, ...]:
     """Fig. 5: the residual in the 370 frames after three airspeed sensors begin to run away, at every rate; seed 1."""
     truth = load_recording(scenario.flight)
     first = replace(FAULT, onset=scenario.onset).onset_frame(truth.period)
@@ -167,7 +171,9 @@ def rates(scenario: Scenario, sheets: Sequence[str], weights: Sequence[float], t
         for q_w in weights:
             out = run(sheet, readings, {"q_w": q_w, "p_w": 0.01})
             rms = out["vc_rms"][:, first : first + NOT_WITHIN].mean(axis=(1, 2))
-            found += [Rate(scenario.name, sheet, q_w, rate, float(value)) for rate, value in zip(tried, rms, strict=True)]
+            found += [
+                Rate(scenario.name, sheet, q_w, rate, float(value)) for rate, value in zip(tried, rms, strict=True)
+            ]
     return tuple(found)
 
 
@@ -183,7 +189,7 @@ class Jamming:
     vc: tuple[float | None, float | None, float | None]
 
     def verdict(self, sensor: str) -> str:
-        """"right": both jammed ones found and the healthy one kept; "wrong": the healthy one condemned; "missed"."""
+        """ "right": both jammed ones found and the healthy one kept; "wrong": the healthy one condemned; "missed"."""
         first, second, healthy = self.alpha if sensor == "alpha" else self.vc
         if healthy is not None:
             return "wrong"
@@ -192,7 +198,11 @@ class Jamming:
     def delay(self, sensor: str) -> float:
         """The later of the two; NaN unless right."""
         first, second, _ = self.alpha if sensor == "alpha" else self.vc
-        return max(first, second) if self.verdict(sensor) == "right" and first is not None and second is not None else np.nan
+        return (
+            max(first, second)
+            if self.verdict(sensor) == "right" and first is not None and second is not None
+            else np.nan
+        )
 
 
 def jamming(

@@ -1,7 +1,7 @@
 """The document of the papers' results: found paper modules, their findings, Markdown.
 
-A folder of it holds ``README.md``, the pictures, and ``findings.json``: the findings as data, from which the papers that are
-not run again keep their part.
+A folder of it holds ``README.md``, the pictures, and ``findings.json``: the findings as data, from which the papers
+that are not run again keep their part.
 """
 
 from __future__ import annotations
@@ -19,14 +19,22 @@ from saoflow.whole_file import write_whole
 from verification.papers.finding import Finding, Verdict
 
 PAPERS = {
-    "003": "Wan, Keviczky: Real-time nonlinear moving horizon observer with pre-estimation for aircraft sensor fault "
-    "detection and estimation (International Journal of Robust and Nonlinear Control)",
-    "001": "Alessandri, Baglietto, Battistelli, Zavala: Advances in moving horizon estimation for nonlinear systems "
-    "(IEEE Conference on Decision and Control, 2010)",
-    "002": "Abdollahpouri, Haring, Johansen, Takács, Rohal'-Ilkiv: Double moving horizon estimation: linearization by a "
-    "nonlinear transformation",
-    "004": "Wan, Keviczky: Real-time fault-tolerant moving horizon air data estimation for the RECONFIGURE benchmark "
-    "(IEEE Transactions on Control Systems Technology 27, 2019)",
+    "003": (
+        "Wan, Keviczky: Real-time nonlinear moving horizon observer with pre-estimation for aircraft sensor fault "
+        "detection and estimation (International Journal of Robust and Nonlinear Control)"
+    ),
+    "001": (
+        "Alessandri, Baglietto, Battistelli, Zavala: Advances in moving horizon estimation for nonlinear systems "
+        "(IEEE Conference on Decision and Control, 2010)"
+    ),
+    "002": (
+        "Abdollahpouri, Haring, Johansen, Takács, Rohal'-Ilkiv: Double moving horizon estimation: linearization by a "
+        "nonlinear transformation"
+    ),
+    "004": (
+        "Wan, Keviczky: Real-time fault-tolerant moving horizon air data estimation for the RECONFIGURE benchmark "
+        "(IEEE Transactions on Control Systems Technology 27, 2019)"
+    ),
 }
 """The papers in the order of the document."""
 
@@ -49,7 +57,7 @@ class PaperModule:
 
 
 def modules(only: Sequence[str] = ()) -> list[PaperModule]:
-    """The modules ``paper_NNN*.py`` that have a function ``findings``, by paper, then by name; ``only``: of these papers."""
+    """The modules ``paper_NNN*.py`` with a function ``findings``, by paper, then by name; ``only``: of these papers."""
     found = []
     for info in pkgutil.iter_modules(verification.papers.__path__):
         match = re.fullmatch(r"paper_(\d{3})(_\w+)?", info.name)
@@ -62,7 +70,9 @@ def modules(only: Sequence[str] = ()) -> list[PaperModule]:
     return sorted(found, key=lambda module: (order.index(module.paper), module.name))
 
 
-def made(chosen: Sequence[PaperModule], folder: Path, *, short: bool = False, progress: Progress | None = None) -> list[Finding]:
+def made(
+    chosen: Sequence[PaperModule], folder: Path, *, short: bool = False, progress: Progress | None = None
+) -> list[Finding]:
     """Run the modules. Raises DocumentError if a finding is another paper's or names a picture that was not drawn."""
     found = []
     for module in chosen:
@@ -115,10 +125,10 @@ def read_findings(folder: Path) -> list[Finding]:
 
 INTRODUCTION = """# The papers' results, made again
 
-Written by `python -m verification.papers -o docs/papers`; `--only 003` runs one paper again. Each claim of the papers' result
-sections is run with saoflow's sheets, on our flights where the paper's data are closed, and judged by a rule in the code
-(`verification/papers/paper_*.py`) from the numbers measured. Tests run the shortened form. What is printed wrongly in the
-papers is in [corrections.md](../corrections.md).
+Written by `python -m verification.papers -o docs/papers`; `--only 003` runs one paper again. Each claim of the papers'
+result sections is run with saoflow's sheets, on our flights where the paper's data are closed, and judged by a rule in
+the code (`verification/papers/paper_*.py`) from the numbers measured. Tests run the shortened form. What is printed
+wrongly in the papers is in [corrections.md](../corrections.md).
 """
 
 
@@ -129,7 +139,9 @@ def markdown(findings: Iterable[Finding]) -> str:
     anchors = _anchors(rows)
     for finding, anchor in zip(rows, anchors, strict=True):
         cells = (_cell(finding.item), _cell(f"{finding.title}: {finding.claim}"), _cell(finding.judgement))
-        lines.append(f"| {finding.paper} | [{cells[0]}](#{anchor}) | {cells[1]} | {_marked(cells[2], finding.verdict)} |")
+        lines.append(
+            f"| {finding.paper} | [{cells[0]}](#{anchor}) | {cells[1]} | {_marked(cells[2], finding.verdict)} |"
+        )
     lines.append("")
     lines.append(_totals(rows))
     paper = ""
@@ -144,8 +156,9 @@ def markdown(findings: Iterable[Finding]) -> str:
 def _section(finding: Finding, anchor: str) -> str:
     pictures = "".join(f"\n\n![{finding.item}: {finding.title}]({name})" for name in finding.pictures)
     return (
-        f'\n<a id="{anchor}"></a>\n\n### {finding.item}: {finding.title}\n\n*The paper:* {finding.claim.rstrip(".")}.\n\n'
-        f"*Here:* {_marked(finding.judgement, finding.verdict)}.{pictures}\n\n{finding.text.strip()}"
+        f'\n<a id="{anchor}"></a>\n\n### {finding.item}: {finding.title}\n\n*The paper:*'
+        f' {finding.claim.rstrip(".")}.\n\n*Here:*'
+        f" {_marked(finding.judgement, finding.verdict)}.{pictures}\n\n{finding.text.strip()}"
     )
 
 

@@ -1,4 +1,4 @@
-"""What paper 002's estimators do on its scalar example: Table I's sums, a solver that stops early, and all minima of a window."""
+"""Paper 002's estimators on its scalar example: Table I's sums, a solver that stops early, all minima of a window."""
 
 from __future__ import annotations
 
@@ -75,7 +75,9 @@ def cost(x: Array, window: Window, tuning: Tuning = PAPER) -> float:
     """(4a) with the nonlinear system and the second stage's weights, as the paper states it: not scaled."""
     weights = tuning.second
     moved = x[1:] - f(x[:-1], window.u, tuning.t_s)
-    return float(weights.p * (x[0] - window.s) ** 2 + weights.q * moved @ moved + weights.r * np.sum((window.y - x) ** 2))
+    return float(
+        weights.p * (x[0] - window.s) ** 2 + weights.q * moved @ moved + weights.r * np.sum((window.y - x) ** 2)
+    )
 
 
 def stopping_early(window: Window, warm: Array, tuning: Tuning) -> Array:

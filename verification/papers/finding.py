@@ -41,7 +41,9 @@ class Finding:
     def __post_init__(self) -> None:
         wanted = self.verdict in (Verdict.ONLY_IF, Verdict.NOT_HERE)
         if wanted != bool(self.condition):
-            raise ValueError(f"{self.paper} {self.item}: `{self.verdict}` {'needs a' if wanted else 'has no'} condition")
+            raise ValueError(
+                f"{self.paper} {self.item}: `{self.verdict}` {'needs a' if wanted else 'has no'} condition"
+            )
 
     @property
     def judgement(self) -> str:

@@ -108,8 +108,9 @@ def accuracy(rows: Sequence[Level], runs: str) -> Finding:
     elif good:
         verdict = Verdict.ONLY_IF
         condition = (
-            f"the control is strong: u = {'; '.join(r.name for r in good)}, where the system contracts by "
-            f"{min(r.contraction for r in good):.0f} 1/s or more (not at {max(r.contraction for r in bad):.0f} 1/s or less)"
+            f"the control is strong: u = {'; '.join(r.name for r in good)}, where the system contracts by"
+            f" {min(r.contraction for r in good):.0f} 1/s or more (not at {max(r.contraction for r in bad):.0f} 1/s or"
+            " less)"
         )
     else:
         verdict = Verdict.FAILS
@@ -119,15 +120,17 @@ def accuracy(rows: Sequence[Level], runs: str) -> Finding:
     )
     paper = " | ".join(f"{TABLE_I[s][0]:.2f}" for s in NAMES)
     text = (
-        "Sum of the absolute errors over all samples. The paper gives neither the length of the run nor the levels of u; "
-        f"ours: {runs}; three levels in each second. Noise uniform on [0, 0.1].\n\n"
-        f"| u | contraction, 1/s | {' | '.join(NAMES.values())} | as the paper ranks |\n|---|---|---|---|---|---|\n"
-        f"| *the paper* | | {paper} | |\n{table}\n\n"
-        "CMHE believes the measurements (R = 1 against Q = 0.01), so its error is the noise's mean of 0.05 in every sample, whatever "
-        "the control. The second stage believes the model; it loses the bias only as fast as the system itself forgets, so what "
-        "it gains depends on the control."
+        "Sum of the absolute errors over all samples. The paper gives neither the length of the run nor the levels of"
+        f" u; ours: {runs}; three levels in each second. Noise uniform on [0, 0.1].\n\n| u | contraction, 1/s |"
+        f" {' | '.join(NAMES.values())} | as the paper ranks |\n|---|---|---|---|---|---|\n| *the paper* | | {paper} |"
+        f" |\n{table}\n\nCMHE believes the measurements (R = 1 against Q = 0.01), so its error is the noise's mean of"
+        " 0.05 in every sample, whatever the control. The second stage believes the model; it loses the bias only as"
+        " fast as the system itself forgets, so what it gains depends on the control."
     )
-    claim = f"from the true guess DMHE ({TABLE_I['double_mhe'][0]}) is as good as NMHE ({TABLE_I['nonlinear_mhe'][0]}) and three times better than CMHE ({TABLE_I['convexified_mhe'][0]})"
+    claim = (
+        f"from the true guess DMHE ({TABLE_I['double_mhe'][0]}) is as good as NMHE ({TABLE_I['nonlinear_mhe'][0]}) and"
+        f" three times better than CMHE ({TABLE_I['convexified_mhe'][0]})"
+    )
     return Finding(PAPER, "Table I", "error from the true guess", claim, verdict, condition, text)
 
 
@@ -136,20 +139,26 @@ def any_guess(rows: Sequence[Level]) -> Finding:
     worst = max(r.ratio("double_mhe") for r in rows)
     verdict = Verdict.HOLDS if worst <= AS_GOOD else Verdict.FAILS
     table = "\n".join(
-        f"| {r.name} | " + " | ".join(f"{r.true[s]:.2f} | {r.wrong[s]:.2f}" for s in ("convexified_mhe", "double_mhe"))
+        f"| {r.name} | "
+        + " | ".join(f"{r.true[s]:.2f} | {r.wrong[s]:.2f}" for s in ("convexified_mhe", "double_mhe"))
         + " |"
         for r in rows
     )
     text = (
-        "| u | CMHE, true | CMHE, wrong | DMHE, true | DMHE, wrong |\n|---|---|---|---|---|\n"
-        f"| *the paper* | 28.49 | 31.25 | 9.33 | 11.59 |\n{table}\n\n"
-        f"From the wrong guess, -1, DMHE's error is at most {worst:.3f} times that from the true one. The first stage hardly "
-        "weighs its guess (P = 0.01 against R = 1), and the second starts from the first's estimate. The paper's sums "
-        "are 2.8 and 2.3 larger from the wrong guess; it does not say what it does before a window is full. Ours has an estimate "
-        "from the first sample on."
+        "| u | CMHE, true | CMHE, wrong | DMHE, true | DMHE, wrong |\n|---|---|---|---|---|\n| *the paper* | 28.49 |"
+        f" 31.25 | 9.33 | 11.59 |\n{table}\n\nFrom the wrong guess, -1, DMHE's error is at most {worst:.3f} times that"
+        " from the true one. The first stage hardly weighs its guess (P = 0.01 against R = 1), and the second starts"
+        " from the first's estimate. The paper's sums are 2.8 and 2.3 larger from the wrong guess; it does not say"
+        " what it does before a window is full. Ours has an estimate from the first sample on."
     )
     return Finding(
-        PAPER, "Table I", "DMHE from a wrong guess", "DMHE comes near the global minimum whatever the guess", verdict, "", text
+        PAPER,
+        "Table I",
+        "DMHE from a wrong guess",
+        "DMHE comes near the global minimum whatever the guess",
+        verdict,
+        "",
+        text,
     )
 
 
@@ -166,19 +175,20 @@ def wrong_guess(rows: Sequence[Level]) -> Finding:
     else:
         verdict = Verdict.FAILS
     table = "\n".join(
-        f"| {r.name} | {r.true['nonlinear_mhe']:.2f} | {r.wrong['nonlinear_mhe']:.2f} | {r.ratio('nonlinear_mhe'):.2f} | "
-        f"{r.stopped[0]:.2f} | {r.stopped[1]:.2f} |"
+        f"| {r.name} | {r.true['nonlinear_mhe']:.2f} | {r.wrong['nonlinear_mhe']:.2f} | {r.ratio('nonlinear_mhe'):.2f}"
+        f" | {r.stopped[0]:.2f} | {r.stopped[1]:.2f} |"
         for r in rows
     )
     text = (
-        f"| u | true | wrong | ratio | stopped early, true | stopped early, wrong |\n|---|---|---|---|---|---|\n"
-        f"| *the paper* | 9.02 | 107.58 | 11.93 | | |\n{table}\n\n"
-        f"Solved to convergence, a wrong guess costs {min(ratios):.2f} to {max(ratios):.2f} times the error: {min(more):.1f} to {max(more):.1f} more, "
-        "while the guess leaves the window. No window has a second minimum to be caught in (Fig. 2 below). "
-        f"The last two columns are a solver that stops once the cost as printed falls by less than {STOP:g}, a common default. The "
-        "weights are 1e-4 and 1e-5, so with a window of ten samples an error of 0.1 is below it: from the true guess it never "
-        "moves and is right because the simulated system has no disturbance; from the wrong one it stays wrong as long as "
-        "the system does not forget by itself. That is a failure of the paper's kind, though not of its size. The sheets divide the cost by R."
+        "| u | true | wrong | ratio | stopped early, true | stopped early, wrong |\n|---|---|---|---|---|---|\n| *the"
+        f" paper* | 9.02 | 107.58 | 11.93 | | |\n{table}\n\nSolved to convergence, a wrong guess costs"
+        f" {min(ratios):.2f} to {max(ratios):.2f} times the error: {min(more):.1f} to {max(more):.1f} more, while the"
+        " guess leaves the window. No window has a second minimum to be caught in (Fig. 2 below). The last two columns"
+        f" are a solver that stops once the cost as printed falls by less than {STOP:g}, SLSQP's default in scipy. The weights"
+        " are 1e-4 and 1e-5, so with a window of ten samples an error of 0.1 is below it: from the true guess it never"
+        " moves and is right because the simulated system has no disturbance; from the wrong one it stays wrong as"
+        " long as the system does not forget by itself. That is a failure of the paper's kind, though not of its size."
+        " The sheets divide the cost by R."
     )
     claim = "from the wrong guess, -1, NMHE is caught in a local minimum: 107.58 instead of 9.02"
     return Finding(PAPER, "Table I", "NMHE from a wrong guess", claim, verdict, condition, text)
@@ -197,10 +207,11 @@ def times() -> Finding:
             f"| {NAMES[s]} | {operations[s]} | {operations[s] / operations['double_mhe']:.2f} | {t} | {t / 0.02:.2f} |"
             for s, t in zip(NAMES, (1.3, 0.009, 0.02), strict=True)
         )
-        + f"\n\nDMHE costs {double:.2f} times CMHE, as the paper says. But the nonlinear problem is of the same structure: three "
-        "linearisations, each a quadratic program of the same size, bring it within 1e-5 of converged "
-        f"(`python -m verification.results.active_set_passes`), for {other:.2f} times DMHE. The paper compares quadprog with fmincon, "
-        "a general solver that knows nothing of the structure: its factor of 65 is the tool's, not the problem's."
+        + f"\n\nDMHE costs {double:.2f} times CMHE, as the paper says. But the nonlinear problem is of the same"
+        " structure: three linearisations, each a quadratic program of the same size, bring it within 1e-5 of"
+        f" converged (`python -m verification.results.active_set_passes`), for {other:.2f} times DMHE. The paper"
+        " compares quadprog with fmincon, a general solver that knows nothing of the structure: its factor of 65 is"
+        " the tool's, not the problem's."
     )
     claim = "DMHE takes twice the time of CMHE (0.02 s, 0.009 s), and 65 times less than NMHE (1.3 s)"
     return Finding(PAPER, "Table I", "execution time", claim, verdict, "", text)
@@ -232,12 +243,13 @@ def fig_2(pictures: Path, duration: float, short: bool) -> Finding:
         axes.legend()
         save(drawn, pictures / "002_fig_2.png")
     text = (
-        f"For {count} windows of NMHE from the wrong guess (four controls, each {every}th frame of {length:g} s) the least cost as a "
-        "function of the newest state was computed by dynamic programming over a grid of 601 states, which no local minimum can "
-        f"mislead: {several} of them have more than one minimum, and the estimates lie within {apart:.4f} of the least (the grid "
-        f"is 0.005). A damped Gauss-Newton method from {starts} random trajectories, in a quarter of them, ended in at most {distinct} "
-        "minimum each. The picture shows three of the first control. f rises everywhere between -1.1 and 1.4 (its slope is "
-        "1 + T_s (20 x - 60 x^2)), so two trajectories never meet, and no data in that range have two explanations."
+        f"For {count} windows of NMHE from the wrong guess (four controls, each {every}th frame of {length:g} s) the"
+        " least cost as a function of the newest state was computed by dynamic programming over a grid of 601 states,"
+        f" which no local minimum can mislead: {several} of them have more than one minimum, and the estimates lie"
+        f" within {apart:.4f} of the least (the grid is 0.005). A damped Gauss-Newton method from {starts} random"
+        f" trajectories, in a quarter of them, ended in at most {distinct} minimum each. The picture shows three of the"
+        " first control. f rises everywhere between -1.1 and 1.4 (its slope is 1 + T_s (20 x - 60 x^2)), so two"
+        " trajectories never meet, and no data in that range have two explanations."
     )
     claim = "the nonlinear problem is not convex: beside its global minimum it has a local one near 0"
     return Finding(PAPER, "Fig. 2", "local minima", claim, verdict, "", text, ("002_fig_2.png",))
@@ -272,8 +284,8 @@ def fig_3a(pictures: Path, duration: float) -> Finding:
     text = (
         f"u = {LEVELS[0]}, seed 1, {duration:g} s. Mean errors: "
         + ", ".join(f"{NAMES[s]} {b:.4f}" for s, b in bias.items())
-        + f". The noise has the mean 0.05; CMHE takes it over, DMHE has {less:.1f} times less. How much less depends on the control, "
-        "as in Table I."
+        + f". The noise has the mean 0.05; CMHE takes it over, DMHE has {less:.1f} times less. How much less depends on"
+        " the control, as in Table I."
     )
     claim = "from the true guess all follow; CMHE is biased by the noise's mean, DMHE corrects it"
     return Finding(PAPER, "Fig. 3(a)", "estimates, true guess", claim, verdict, "", text, ("002_fig_3a.png",))
@@ -287,8 +299,9 @@ def fig_3b(pictures: Path, duration: float) -> Finding:
     text = (
         f"u = {LEVELS[0]}, seed 1. Time until the error is below {NEAR}: "
         + ", ".join(f"{NAMES[s]} {t:.2f} s" for s, t in found.items())
-        + ". CMHE and DMHE are there at the first sample. NMHE holds the guess with P = 0.1 against R = 1e-5, so it follows the "
-        "system's own fast way from -1, and has found the state as soon as that has: it is late, not caught."
+        + ". CMHE and DMHE are there at the first sample. NMHE holds the guess with P = 0.1 against R = 1e-5, so it"
+        " follows the system's own fast way from -1, and has found the state as soon as that has: it is late, not"
+        " caught."
     )
     claim = "from the wrong guess NMHE stays at a sub-optimal solution in the beginning, DMHE does not"
     return Finding(PAPER, "Fig. 3(b)", "estimates, wrong guess", claim, verdict, "", text, ("002_fig_3b.png",))

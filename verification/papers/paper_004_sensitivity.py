@@ -58,7 +58,7 @@ SHORT = (Case(CALM, replace(FAULT, onset=4.0), 10.0), replace(CASES[2], seconds=
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A case flown by the reference of CMHE: every frame from a second before the onset until a measurement is masked."""
+    """A case flown by the reference of CMHE: the frames from a second before the onset until one is masked."""
 
     case: Case
     period: float
@@ -102,7 +102,11 @@ def long_run(output: int, sheet: str, onset: float = 5.0, seconds: float = 12.0)
     sensor, unit = ("vc", 1.0) if output == VC else ("alpha", DEGREES)
     bias, more = BIAS[output]
     faults = [Fault("bias", sensor, amplitude=amplitude, onset=onset) for amplitude in (bias, bias + more)]
-    out = run(sheet, [sensors(truth, 1, faults=[fault]) for fault in faults], {"vc_threshold": 900.0, "alpha_threshold": 170.0})
+    out = run(
+        sheet,
+        [sensors(truth, 1, faults=[fault]) for fault in faults],
+        {"vc_threshold": 900.0, "alpha_threshold": 170.0},
+    )
     predicted = out[f"{sensor}_pred"] * unit
     answer: Array = 1.0 - (predicted[1] - predicted[0]) / more
     return answer[faults[0].onset_frame(truth.period) :]
@@ -128,31 +132,42 @@ def improved(courses: Sequence[Course]) -> Finding:
         verdict = Verdict.ONLY_IF
         least, most = min(c.active[0].free for c in not_raised), max(c.active[0].held for c in not_raised)
         condition = (
-            f"the fault is one of {' and '.join(kinds[0])}; that of {' and '.join(kinds[1])} is answered with {least:.2f} to {most:.2f} with or without the bound"
+            f"the fault is one of {' and '.join(kinds[0])}; that of {' and '.join(kinds[1])} is answered with"
+            f" {least:.2f} to {most:.2f} with or without the bound"
         )
     else:
         verdict = Verdict.FAILS
     rows = "\n".join(
-        f"| {c.case.flight} | {WORDS[c.case.output]} {c.case.fault.rate:+g} | {(c.active[0].frame - c.case.fault.onset_frame(c.period)) * c.period:.2f} | "
-        f"{', '.join(c.active[0].active)} | {c.active[0].free:.3f} | {c.active[0].held:.3f} | {len(c.active)} | {min(s.held for s in c.active):.3f} |"
+        f"| {c.case.flight} | {WORDS[c.case.output]} {c.case.fault.rate:+g} |"
+        f" {(c.active[0].frame - c.case.fault.onset_frame(c.period)) * c.period:.2f} | {', '.join(c.active[0].active)}"
+        f" | {c.active[0].free:.3f} | {c.active[0].held:.3f} | {len(c.active)} | {min(s.held for s in c.active):.3f} |"
         for c in courses
         if c.active
     )
     text = (
-        "Three sensors run away (kt/s, deg/s) through the reference of CMHE-FTE. In every frame the window's quadratic program (42) is solved exactly; the bounds that hold the "
-        "solution are J_a of (37). The answer is the sum of S_f's (or S_f^a's) entries from a fault of 1 in every sample of the window and the next one to the residual of the faulty kind: 1 if "
-        "the estimate takes in nothing.\n\n"
-        "| flight | fault | first active after onset, s | bounds | without | with | active frames | least with |\n|---|---|---|---|---|---|---|---|\n"
-        f"{rows}\n\nAn airspeed fault has only W_x to go into; a fault of AOA goes into the angle of attack itself, which no bound holds, and into W_z."
+        "Three sensors run away (kt/s, deg/s) through the reference of CMHE-FTE. In every frame the window's quadratic"
+        " program (42) is solved exactly; the bounds that hold the solution are J_a of (37). The answer is the sum of"
+        " S_f's (or S_f^a's) entries from a fault of 1 in every sample of the window and the next one to the residual"
+        " of the faulty kind: 1 if the estimate takes in nothing.\n\n| flight | fault | first active after onset, s |"
+        f" bounds | without | with | active frames | least with |\n|---|---|---|---|---|---|---|---|\n{rows}\n\nAn"
+        " airspeed fault has only W_x to go into; a fault of AOA goes into the angle of attack itself, which no bound"
+        " holds, and into W_z."
     )
-    claim = "active bounds keep the estimate from taking in the fault, so the residual becomes more sensitive, from the first instant on"
+    claim = (
+        "active bounds keep the estimate from taking in the fault, so the residual becomes more sensitive, from the"
+        " first instant on"
+    )
     return Finding(PAPER, "Section IV", "sensitivity at the wind's bound", claim, verdict, condition, text)
 
 
 def kept(answers: Mapping[tuple[int, str], Array], shown: Course, pictures: Path) -> Finding:
     """What the bounds do in the long run."""
     last = {key: float(answer[-20:].mean()) for key, answer in answers.items()}
-    verdict = Verdict.HOLDS if all((v >= KEPT) if s == "cmhe_fte" else (abs(v) <= LOST) for (_, s), v in last.items()) else Verdict.FAILS
+    verdict = (
+        Verdict.HOLDS
+        if all((v >= KEPT) if s == "cmhe_fte" else (abs(v) <= LOST) for (_, s), v in last.items())
+        else Verdict.FAILS
+    )
     with figure(7.2, 2.6) as drawn:
         left, right = drawn.subplots(1, 2, sharey=True)
         time = [one.frame * shown.period for one in shown.frames]
@@ -171,15 +186,20 @@ def kept(answers: Mapping[tuple[int, str], Array], shown: Course, pictures: Path
         right.legend(loc="center right")
         save(drawn, pictures / "004_sensitivity.png")
     rows = "\n".join(
-        f"| {WORDS[o]}, {BIAS[o][0]:+g} {'kt' if o == VC else 'deg'} | {NAMES[s]} | " + " | ".join(f"{a[i]:.2f}" for i in (0, 5, 10, 20, 40)) + f" | {last[o, s]:.2f} |"
+        f"| {WORDS[o]}, {BIAS[o][0]:+g} {'kt' if o == VC else 'deg'} | {NAMES[s]} | "
+        + " | ".join(f"{a[i]:.2f}" for i in (0, 5, 10, 20, 40))
+        + f" | {last[o, s]:.2f} |"
         for (o, s), a in answers.items()
     )
     text = (
-        "S_f sees one window of three samples; what is estimated there is the next window's prior. So the same by experiment: all three sensors biased so far that the wind meets its bound, once more by 1 kt "
-        "or 0.1 deg, decisions switched off; what the residual keeps of the difference, by frames after the onset:\n\n"
-        f"| fault | | 0 | 5 | 10 | 20 | 40 | the last 20 of {len(answers[VC, 'cmhe_fte'])} |\n|---|---|---|---|---|---|---|---|\n{rows}\n\n"
-        "Without bounds every lasting fault goes into the wind, and nothing is left after some seconds; with the wind at its bound the residual keeps all of an airspeed fault, and most of one of AOA, since the vertical "
-        "speed then says what the angle of attack is. This, far more than what changes in S_f, is what detects. (The dip of CMHE is where the wind is still on its way to the bound.)"
+        "S_f sees one window of three samples; what is estimated there is the next window's prior. So the same by"
+        " experiment: all three sensors biased so far that the wind meets its bound, once more by 1 kt or 0.1 deg,"
+        " decisions switched off; what the residual keeps of the difference, by frames after the onset:\n\n| fault | |"
+        f" 0 | 5 | 10 | 20 | 40 | the last 20 of {len(answers[VC, 'cmhe_fte'])}"
+        f" |\n|---|---|---|---|---|---|---|---|\n{rows}\n\nWithout bounds every lasting fault goes into the wind, and"
+        " nothing is left after some seconds; with the wind at its bound the residual keeps all of an airspeed fault,"
+        " and most of one of AOA, since the vertical speed then says what the angle of attack is. This, far more than"
+        " what changes in S_f, is what detects. (The dip of CMHE is where the wind is still on its way to the bound.)"
     )
     claim = "once at its bound the wind can no longer compensate for the fault, and the residual grows"
     return Finding(PAPER, "Section IV", "in the long run", claim, verdict, "", text, ("004_sensitivity.png",))
@@ -194,11 +214,14 @@ def theorem(courses: Sequence[Course]) -> Finding:
     lowest = min(one.in_deviations[0] for one in active)
     verdict = Verdict.HOLDS if all(one.printed[0] >= -ROUNDING for one in active) else Verdict.FAILS
     text = (
-        f"Eigenvalues of S_a S_a' - S S' over {len(active)} frames with an active bound, SI units: from {least:.2f} to {largest:.2f}; in {indefinite} of them some are negative and some "
-        f"positive. With faults and residuals counted in standard deviations none is positive in {turned} of {len(active)} (least {lowest:.3f}): the inequality then "
-        "holds the other way round. That can be proved: with U = diag(V, R) in the middle, S U S' = Phi J_1 X H X J_1' Phi' + R, and X H X = X, so the smaller X_a makes it smaller. "
-        "The printed proof fails at its last step: V - J_1 X_a J_1' >= V - J_1 X J_1' does not carry over to the product (39), whose outer two matrices differ. Either way S S' takes "
-        "away the signs with which the entries of a lasting fault add up. What the theorem is for does hold, in the long run: see above."
+        f"Eigenvalues of S_a S_a' - S S' over {len(active)} frames with an active bound, SI units: from {least:.2f} to"
+        f" {largest:.2f}; in {indefinite} of them some are negative and some positive. With faults and residuals"
+        f" counted in standard deviations none is positive in {turned} of {len(active)} (least {lowest:.3f}): the"
+        " inequality then holds the other way round. That can be proved: with U = diag(V, R) in the middle, S U S' ="
+        " Phi J_1 X H X J_1' Phi' + R, and X H X = X, so the smaller X_a makes it smaller. The printed proof fails at"
+        " its last step: V - J_1 X_a J_1' >= V - J_1 X J_1' does not carry over to the product (39), whose outer two"
+        " matrices differ. Either way S S' takes away the signs with which the entries of a lasting fault add up. What"
+        " the theorem is for does hold, in the long run: see above."
     )
     claim = "with active bounds S_a S_a' >= S S'"
     return Finding(PAPER, "Theorem 1", "the inequality", claim, verdict, "", text)
@@ -210,11 +233,14 @@ def more_bounds(courses: Sequence[Course]) -> Finding:
     grows = all(b > a + 1e-3 for row in answers for a, b in pairwise(row[1:]))
     verdict = Verdict.HOLDS if answers and grows else Verdict.FAILS
     heads = " | ".join(f"{i} held" for i in range(len(answers[0])))
-    rows = "\n".join(f"| {c.case.flight} | " + " | ".join(f"{a:.4f}" for a in c.newest) + " |" for c in courses if c.newest)
+    rows = "\n".join(
+        f"| {c.case.flight} | " + " | ".join(f"{a:.4f}" for a in c.newest) + " |" for c in courses if c.newest
+    )
     text = (
-        "The answer to a lasting airspeed fault at the first active frame, with none, the newest, the two newest and all three horizontal winds of the window held at the bound:\n\n"
-        f"| flight | {heads} |\n|---|{'---|' * len(answers[0])}\n{rows}\n\n"
-        "Holding the newest wind is enough, since the prediction rests on it alone; the others add nothing."
+        "The answer to a lasting airspeed fault at the first active frame, with none, the newest, the two newest and"
+        f" all three horizontal winds of the window held at the bound:\n\n| flight | {heads}"
+        f" |\n|---|{'---|' * len(answers[0])}\n{rows}\n\nHolding the newest wind is enough, since the prediction rests"
+        " on it alone; the others add nothing."
     )
     claim = "a larger number of active bounds gives a higher sensitivity"
     return Finding(PAPER, "Theorem 1", "the number of bounds", claim, verdict, "", text)

@@ -1,9 +1,9 @@
 """How the papers' pictures look: the fonts and colours of the report, a light grid, PNG.
 
-    with figure(7.0, 3.0) as drawn:
-        axes = drawn.subplots(1, 2)
-        axes[0].plot(t, x, color=COLOURS[0], label="EKF")
-        save(drawn, pictures / "003_fig_3.png")
+with figure(7.0, 3.0) as drawn:
+    axes = drawn.subplots(1, 2)
+    axes[0].plot(t, x, color=COLOURS[0], label="EKF")
+    save(drawn, pictures / "003_fig_3.png")
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""One for each curve, in this order: Okabe and Ito's, told apart with any colour vision. Also matplotlib's cycle here."""
+"""One for each curve, in this order: Okabe and Ito's, told apart with any colour vision. They are the cycle, too."""
 
 TRUTH = LIGHT["truth"]
 """The colour of what is true; thin, beneath the estimates."""

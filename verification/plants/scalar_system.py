@@ -1,8 +1,8 @@
 """The scalar system of paper 002 with its uniform measurement noise.
 
-The paper's noise is "uniformly distributed with a variance of 0.1" and has a "mean value of 0.05"; both together would be
-uniform on [-0.5, 0.6]. Uniform on [0, 0.1] has the mean, and gives the errors of Table I. The levels of u are not given
-either, only that there are three in each second.
+The paper's noise is "uniformly distributed with a variance of 0.1" and has a "mean value of 0.05"; both together would
+be uniform on [-0.5, 0.6]. Uniform on [0, 0.1] has the mean, and gives the errors of Table I. The levels of u are not
+given either, only that there are three in each second.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""How many active-set passes and linearisations paper 002's sheets need: ``python -m verification.results.active_set_passes``.
+"""How many passes and linearisations paper 002's sheets need: ``python -m verification.results.active_set_passes``.
 
-The windows are those of `saoflow verify`: the paper's example, on which no bound is reached, and measurements far outside it.
+The windows are those of `saoflow verify`: the paper's example, on which no bound is reached, and measurements far
+outside it.
 """
 
 from __future__ import annotations
@@ -56,12 +57,14 @@ def unsolved(scenarios: Sequence[Scenario], passes: int = 5, tuning: Tuning = PA
             for p in range(passes):
                 x = active_set(h, half_f, replace(tuning, passes=p + 1))
                 counts[stage][p + 2] += bool(np.abs(x - solution).max() > SOLVED)
-        found += [Unsolved(scenario.name, s, int(n[0]), int(n[1]), tuple(int(c) for c in n[2:])) for s, n in counts.items()]
+        found += [
+            Unsolved(scenario.name, s, int(n[0]), int(n[1]), tuple(int(c) for c in n[2:])) for s, n in counts.items()
+        ]
     return tuple(found)
 
 
 def iteration_errors(scenario: Scenario, most: int = 6, tuning: Tuning = PAPER) -> tuple[float, ...]:
-    """Largest difference of nonlinear MHE's newest estimates from the converged ones after 1 to ``most`` linearisations."""
+    """Largest difference of nonlinear MHE's newest estimates from converged ones after 1 to ``most`` linearisations."""
 
     def newest(iterations: int) -> Array:
         chosen = replace(tuning, iterations=iterations)

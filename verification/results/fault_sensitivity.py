@@ -1,8 +1,8 @@
 """Paper 004, Section IV on a flight: how the residual answers a fault, with and without active bounds, and Theorem 1.
 
 In every frame the window's quadratic program (42) is solved exactly, which gives its active bounds; the sensitivities
-follow from it by the null space of the active rows, since the Hessian is singular where measurements are lost and (33) does
-not exist there.
+follow from it by the null space of the active rows, since the Hessian is singular where measurements are lost and (33)
+does not exist there.
 
     python -m verification.results.fault_sensitivity
 """
@@ -229,7 +229,9 @@ def run_traces(inputs: Mapping[str, npt.ArrayLike], tuning: Tuning) -> list[Trac
     return traces
 
 
-def paper_flight(seconds: float = 30.0, onset: float = FAULT.onset, seed: int = 1, flight: str = FLIGHT) -> dict[str, Array]:
+def paper_flight(
+    seconds: float = 30.0, onset: float = FAULT.onset, seed: int = 1, flight: str = FLIGHT
+) -> dict[str, Array]:
     """The readings of Fig. 4's fault, by default on its own flight."""
     fault: Fault = replace(FAULT, onset=onset)
     return sensors(load_recording(flight).part(0.0, seconds), seed, faults=[fault]).inputs()
@@ -253,7 +255,10 @@ def main() -> None:
     print(f"{len(found)} frames with an active bound, the first {first.frame}: {', '.join(first.active)}")
     for count, (rows, free, low, high) in by_count(found).items():
         print(f"{count} active: {rows} frames; answer {free:.3f} without bounds, {low:.3f} to {high:.3f} with them")
-    print(f"Theorem 1 as printed, eigenvalues {min(s.printed[0] for s in found):.3g} to {max(s.printed[1] for s in found):.3g}")
+    print(
+        f"Theorem 1 as printed, eigenvalues {min(s.printed[0] for s in found):.3g} to"
+        f" {max(s.printed[1] for s in found):.3g}"
+    )
     low, high = min(s.in_deviations[0] for s in found), max(s.in_deviations[1] for s in found)
     print(f"in standard deviations {low:.3g} to {high:.3g}")
 

@@ -1,7 +1,7 @@
 """The reference cases of paper 002's sheets: whole runs, every estimate of every window.
 
-Half of the frames are the paper's example with several controls; half are measurements and controls far outside it, which
-hold samples on their bounds.
+Half of the frames are the paper's example with several controls; half are measurements and controls far outside it,
+which hold samples on their bounds.
 """
 
 from __future__ import annotations
@@ -27,7 +27,10 @@ def runs(frames: int, seed: int) -> Sequence[Scenario]:
         recording = ScalarSystem(levels, duration=each * 0.01).recording(seed)
         made.append(Scenario(f"u = {levels}", {"y": recording["y"], "u": recording["u"]}, fault_free=True))
     rest = max(1, frames - each * len(LEVELS))
-    return [*made, Scenario("beyond the bounds", {"y": _beyond(rest, seed), "u": _generator(seed).normal(0.0, 30.0, rest)})]
+    return [
+        *made,
+        Scenario("beyond the bounds", {"y": _beyond(rest, seed), "u": _generator(seed).normal(0.0, 30.0, rest)}),
+    ]
 
 
 def windows(frames: int, seed: int) -> Sequence[Scenario]:

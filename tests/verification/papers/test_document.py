@@ -22,7 +22,9 @@ from verification.papers.finding import Finding, Verdict
 from verification.papers.style import figure, save
 
 
-def finding(paper: str = "003", item: str = "Fig. 3", verdict: Verdict = Verdict.HOLDS, condition: str = "", **more) -> Finding:
+def finding(
+    paper: str = "003", item: str = "Fig. 3", verdict: Verdict = Verdict.HOLDS, condition: str = "", **more
+) -> Finding:
     return Finding(paper, item, "a title", "a | b is large", verdict, condition, "Measured: 3.", **more)
 
 

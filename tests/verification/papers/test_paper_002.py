@@ -1,4 +1,4 @@
-"""Paper 002's findings, shortened: verdicts and numbers against the paper, and against what can be said without running."""
+"""Paper 002's findings, shortened: verdicts and numbers against the paper, and what is known without running."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_the_biased_stage_has_the_mean_of_the_noise():
 
 
 def test_the_profile_is_the_least_over_all_trajectories():
-    """Dynamic programming against every trajectory of three samples on a coarse grid; minima are counted with the ends."""
+    """Dynamic programming against every trajectory of three samples on a coarse grid; ends count as minima."""
     window = Window(np.array([0.1, 0.5, 0.3]), np.array([3.0, -2.0]), -0.4)
     found = profile(window, points=31)
     grid = np.linspace(-1.0, 2.0, 31)

@@ -36,8 +36,8 @@ def nonlinear(window: Window, warm: Array, tuning: Tuning) -> Array:
 def over_run(y: Array, u: Array, estimator: Estimator, tuning: Tuning) -> list[tuple[Window, Array]]:
     """Every frame's window and estimates.
 
-    The arrival state is the guess until a sample leaves the window, then the last frame's estimate of x_l. The warm start
-    is the last frame's estimates, and the model's prediction of the newest sample.
+    The arrival state is the guess until a sample leaves the window, then the last frame's estimate of x_l. The warm
+    start is the last frame's estimates, and the model's prediction of the newest sample.
     """
     frames: list[tuple[Window, Array]] = []
     warm, s = np.array([tuning.guess]), tuning.guess

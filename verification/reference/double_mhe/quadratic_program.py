@@ -31,7 +31,7 @@ def hessian_and_gradient(model: LinearModel, window: Window, weights: Weights) -
 
 
 def active_set(h: Array, half_f: Array, tuning: Tuning) -> Array:
-    """Minimise X'HX + F'X with bounds: primal-dual active-set passes (Hintermueller, Ito, Kunisch, 2003), a fixed number."""
+    """Minimise X'HX + F'X with bounds: a fixed number of primal-dual active-set passes (Hintermueller et al., 2003)."""
     n = len(half_f)
     at_low, at_high = np.zeros(n, bool), np.zeros(n, bool)
     x = np.zeros(n)

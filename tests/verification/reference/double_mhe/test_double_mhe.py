@@ -164,7 +164,7 @@ def test_algorithm_1_as_printed_has_its_updates_swapped():
 
 
 def test_6a_as_printed_lacks_the_control(monkeypatch: pytest.MonkeyPatch):
-    """(6a) has T_s where its own second-stage model has T_s u_k: without u the estimates are lost, and (2) is no model."""
+    """(6a) has T_s where its own second-stage model has T_s u_k: without u the estimates are lost."""
     recording = ScalarSystem(levels=(5.0, -5.0, 0.5), duration=1.0, noise=(0.0, 0.0)).recording(1)
     assert errors(recording, convexified_stage, linearised_stage)[1] < 1e-9
     recording["u"] = np.ones_like(recording["u"])
@@ -172,7 +172,7 @@ def test_6a_as_printed_lacks_the_control(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_a_variance_of_a_tenth_does_not_give_table_i():
-    """Uniform on [0, 0.1] gives the sums of Table I within a tenth or two; a variance of 0.1 about 0.05 many times them."""
+    """Uniform on [0, 0.1] gives the sums of Table I within a fifth; a variance of 0.1 about 0.05 far larger ones."""
     table = {"convexified": 28.49, "double": 9.33, "nonlinear": 9.02}
     half_width = np.sqrt(12.0 * 0.1) / 2.0
 
@@ -193,7 +193,7 @@ def test_a_variance_of_a_tenth_does_not_give_table_i():
 
 
 def test_a_general_solver_with_its_default_tolerance_stays_where_it_starts():
-    """Why the cost is divided by R: SLSQP as scipy delivers it ends at once on the cost as printed, not on the scaled one."""
+    """Why the cost is divided by R: SLSQP with scipy's defaults ends at once on the printed cost, not on the scaled."""
     from scipy.optimize import minimize
 
     recording = ScalarSystem(duration=0.3).recording(1)
