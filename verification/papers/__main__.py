@@ -14,11 +14,11 @@ from verification.papers.document import PAPERS, DocumentError, write_document
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the document and its pictures. Exit code 2: nothing can be written there."""
     parser = argparse.ArgumentParser(prog="python -m verification.papers", description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, default=Path("docs/papers"), help="the folder to write")
+    parser.add_argument("-o", "--output", type=Path, help="the folder to write; docs/papers, with --short out/papers")
     parser.add_argument("--only", action="append", choices=list(PAPERS), default=[], help="this paper; may be repeated")
-    parser.add_argument("--short", action="store_true", help="fewer runs: a look at the document, not its numbers")
+    parser.add_argument("--short", action="store_true", help="fewer runs: a look, not the numbers")
     given = parser.parse_args(arguments)
-    folder: Path = given.output
+    folder: Path = given.output or Path("out/papers" if given.short else "docs/papers")
     above = next(p for p in (folder.resolve(), *folder.resolve().parents) if p.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
         parser.error(f"{folder} cannot be written: {above} is no folder that you may write to")
