@@ -68,6 +68,14 @@ def read_text(text: str, file: str) -> Sheet:
         return _read(SourceText(file, text.removeprefix("\ufeff")))
 
 
+def read_partly(text: str, file: str) -> tuple[Sheet | None, tuple[Diagnosis, ...]]:
+    """As much of a sheet as can be read from text that is being written, and what is wrong with it."""
+    source = SourceText(file, text.removeprefix("\ufeff"))
+    with collector_paused():
+        sheet = _readable(source)
+    return sheet, tuple(in_order(dict.fromkeys(source.found)))
+
+
 # ---------------------------------------------------------------- the file
 
 
@@ -127,6 +135,13 @@ def file_text(file: str) -> str:
 
 
 def _read(source: SourceText) -> Sheet:
+    sheet = _readable(source)
+    if sheet is None or source.found:
+        raise DiagnosisError(in_order(dict.fromkeys(source.found)))
+    return sheet
+
+
+def _readable(source: SourceText) -> Sheet | None:
     root = compose(source)
     sheet = None
     if root is None or (type(root) is Scalar and root.nothing):
@@ -144,8 +159,6 @@ def _read(source: SourceText) -> Sheet:
         ValueReader(source).wrong_kind(
             root, "a sheet", "a mapping", "start with `sheet: NAME`, then `inputs:`, `blocks:`, `outputs:`"
         )
-    if sheet is None or source.found:
-        raise DiagnosisError(in_order(dict.fromkeys(source.found)))
     return sheet
 
 

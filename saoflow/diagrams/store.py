@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
 from saoflow.diagrams.netlist import SourceLines
-from saoflow.diagrams.reader import read_sheet
+from saoflow.diagrams.reader import read_sheet, read_text
 from saoflow.diagrams.sheet import Sheet
 
 SHIPPED = Path(__file__).parent
@@ -18,7 +19,9 @@ LIBRARY = SHIPPED / "library"
 class SheetStore:
     """Reads each sheet once. Never looks outside the folder of the sheet named by the user and the shipped sheets."""
 
-    def __init__(self) -> None:
+    def __init__(self, texts: Mapping[Path, str] | None = None) -> None:
+        """``texts``: what stands in the place of files, by resolved path: an editor's open buffers."""
+        self.texts = texts or {}
         self.sources = SourceLines()
         self._sheets: dict[Path, Sheet | DiagnosisError] = {}
         self._by_file: dict[str, Sheet | None] = {}
@@ -97,7 +100,8 @@ class SheetStore:
         key = path.resolve()
         if key not in self._sheets:
             try:
-                sheet = read_sheet(_shown(path))
+                shown = _shown(path)
+                sheet = read_text(self.texts[key], str(shown)) if key in self.texts else read_sheet(shown)
                 self.sources.add(sheet.file, sheet.lines)
                 self._sheets[key] = self._with_parameters_of(sheet)
             except DiagnosisError as error:

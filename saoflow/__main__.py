@@ -1,0 +1,5 @@
+"""``python -m saoflow``: the command line."""
+
+from saoflow.cli import main
+
+main()
