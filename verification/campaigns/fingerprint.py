@@ -11,14 +11,18 @@ import verification
 from verification.campaigns.flights import content_of
 from verification.campaigns.plan import Campaign
 
+_SAOFLOW = ("blocks", "codegen", "diagrams", "recordings", "scheduler")
 _OURS = ("campaigns", "flights", "recordings", "reference")
+"""Folders whose content results depend on."""
 
 
 @lru_cache(maxsize=1)
 def code_digest() -> str:
-    """Of the code and the shipped sheets and recordings, by content."""
+    """Of the code that makes results, and of the shipped sheets and recordings, by content."""
     base, beside = Path(saoflow.__file__).parent, Path(verification.__file__).parent
-    found = [*base.rglob("*.py"), *base.rglob("*.yaml")]
+    found = [*base.glob("*.py")]
+    for folder in _SAOFLOW:
+        found += [*(base / folder).rglob("*.py"), *(base / folder).rglob("*.yaml")]
     for folder in _OURS:
         found += [*(beside / folder).rglob("*.py"), *(beside / folder).rglob("*.csv.gz")]
     whole = hashlib.sha256()

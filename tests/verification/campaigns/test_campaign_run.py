@@ -14,6 +14,7 @@ from small_campaign import SMALL, yaml_of
 
 from saoflow import DiagnosisError
 from verification.campaigns import pool
+from verification.campaigns.fingerprint import code_digest
 from verification.campaigns.plan import Campaign
 from verification.campaigns.pool import spread
 from verification.campaigns.reader import load_campaign
@@ -57,6 +58,7 @@ def test_killed_and_resumed(campaign: tuple[Path, Campaign, bytes], tmp_path: Pa
     # what a killed write leaves
     (folder / "parts" / f".00015.parquet.{process.pid}.part").write_bytes(b"PAR1 half of it")
     there = len(list((folder / "parts").glob("*.parquet")))
+    code_digest.cache_clear()
     outcome = run_campaign(plan, folder, workers=1)
     assert outcome.flown == 24 * (16 - there)
     assert outcome.results.read_bytes() == expected
@@ -87,6 +89,7 @@ def test_ctrl_c_stops_and_keeps(campaign: tuple[Path, Campaign, bytes], tmp_path
     assert told.splitlines() == [
         f"stopped; what has been flown is kept in {folder}, and the same command goes on from there"
     ]
+    code_digest.cache_clear()
     assert run_campaign(plan, folder, workers=1).results.read_bytes() == expected
 
 
