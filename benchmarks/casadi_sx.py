@@ -12,7 +12,7 @@ CasADi VM         CasADi's virtual machine, functions in place of the tables
 
 Each side is compiled by gcc and by clang at each of the levels, with backend ``c``'s flags; the fastest of each side is
 taken. The sides take turns, ratios of processor time are taken turn by turn, medians printed. Exits with 1 if a
-bar is missed or a result differs. ``native.py --casadi`` asks the same with functions on CasADi's side alone.
+bar is missed or a result differs.
 """
 
 from __future__ import annotations
