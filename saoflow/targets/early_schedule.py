@@ -15,13 +15,14 @@ from saoflow.operations import Kind
 from saoflow.scheduler.program import Operation, ProgramBody
 from saoflow.targets.instructions import Instruction, Machine
 from saoflow.targets.operation_form import machine_of
+from saoflow.targets.peephole import BRANCHING
 from saoflow.targets.target import Target
 
 WINDOW = 100
 """How far ahead of the oldest operation left another may be taken (GCC keeps at most 100 in its ready list)."""
 
-BARRIERS = frozenset({Kind.MINIMUM, Kind.MAXIMUM, Kind.SELECT, Kind.LOOKUP, Kind.CALL})
-"""Operations that branch: nothing is moved across them."""
+BARRIERS = BRANCHING | {Kind.CALL}
+"""Nothing is moved across these."""
 
 
 def scheduled_early(body: ProgramBody, target: Target, real: int, procedure: bool) -> ProgramBody:

@@ -1,25 +1,22 @@
 """Which values of a straight line are in registers, and where: what a colouring register allocator comes to.
 
 A value is alive from where it is made to where it is last read. Where more are alive than there are registers, one of
-them goes to memory for its whole life: the one with the least traffic for its length (Chaitin 1982: cost over degree; here
-over the root of the length, which keeps long lives with many reads). It is stored once, and loaded before each read;
+them goes to memory for its whole life: the one with the least traffic for its length (Chaitin 1982: cost over degree). It is stored once, and loaded before each read;
 between reads that are close and where a register is free it stays (GCC's inheritance of reloads).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-
-from saoflow.operations import Atom
 
 
 @dataclass(frozen=True, slots=True)
 class Life:
     """Where a value is made and read: places of operations. One that is in memory already is born by its first read."""
 
-    value: Atom
+    value: Hashable
     born: int
     reads: tuple[int, ...]
     stored: bool
@@ -46,19 +43,19 @@ class Registers:
 class Allocation:
     """What is not in a register all its life, and at which reads it is in one all the same."""
 
-    in_memory: frozenset[Atom]
-    inherited: frozenset[tuple[Atom, int]]
+    in_memory: frozenset[Hashable]
+    inherited: frozenset[tuple[Hashable, int]]
     saved: int
     """Registers that the caller wants back: stored at the beginning and loaded at the end."""
 
-    def needs_load(self, value: Atom, place: int) -> bool:
+    def needs_load(self, value: Hashable, place: int) -> bool:
         """Whether a read at a place comes from memory."""
         return value in self.in_memory and (value, place) not in self.inherited
 
 
 def allocate(lives: Sequence[Life], length: int, calls: Sequence[int], registers: Registers) -> Allocation:
     """Registers for the lives of ``length`` operations, with calls at some places."""
-    cost: dict[Atom, float] = {life.value: _traffic(life) / max(1, life.end - life.born) ** 0.5 for life in lives}
+    cost: dict[Hashable, float] = {life.value: _traffic(life) / max(1, life.end - life.born) for life in lives}
     in_memory = _not_kept(lives, length, frozenset(calls), registers, lambda life: cost[life.value])
     free = [registers.count] * (length + 2)
     for k in calls:
@@ -86,10 +83,10 @@ def _traffic(life: Life) -> float:
 
 def _not_kept(
     lives: Sequence[Life], length: int, calls: frozenset[int], registers: Registers, cost: Callable[[Life], float]
-) -> frozenset[Atom]:
+) -> frozenset[Hashable]:
     waiting = sorted(lives, key=lambda life: life.born)
     active: list[Life] = []
-    gone: set[Atom] = set()
+    gone: set[Hashable] = set()
     at = 0
     for place in range(-1, length + 1):
         active = [life for life in active if life.end > place]
@@ -109,12 +106,12 @@ def _not_kept(
     return frozenset(gone)
 
 
-def _inherited(lives: Sequence[Life], free: list[int], near: int) -> frozenset[tuple[Atom, int]]:
-    gaps: list[tuple[int, int, int, Atom]] = []
+def _inherited(lives: Sequence[Life], free: list[int], near: int) -> frozenset[tuple[Hashable, int]]:
+    gaps: list[tuple[int, int, int, Hashable]] = []
     for n, life in enumerate(lives):
         places = ([life.born] if life.made else []) + list(life.reads)
         gaps += [(b - a, a, n, life.value) for a, b in pairwise(places) if b - a <= near]
-    found: set[tuple[Atom, int]] = set()
+    found: set[tuple[Hashable, int]] = set()
     for size, start, _, value in sorted(gaps, key=lambda gap: gap[:3]):
         span = range(start + 1, start + size + 1)
         if all(free[p] > 0 for p in span):

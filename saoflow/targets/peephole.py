@@ -7,13 +7,19 @@ procedure called from one place is laid out there. All are exact, so the bits st
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from saoflow.operations import MINUS_ONE, Atom, Kind, Literal
 from saoflow.scheduler.program import FrameProgram, Operation, ProgramBody
 
 TWO = Literal(2.0)
+
+BRANCHING = frozenset({Kind.MINIMUM, Kind.MAXIMUM, Kind.SELECT, Kind.LOOKUP})
+"""Operations that GCC makes branches of."""
+
+SIZES = {Kind.MINIMUM: 3, Kind.MAXIMUM: 3, Kind.SELECT: 3, Kind.LOOKUP: 10}
+"""Of operations in GCC's measure of a function's size, where not 1."""
 
 
 def call_counts(bodies: Sequence[ProgramBody], procedures: int) -> list[int]:
@@ -27,16 +33,34 @@ def call_counts(bodies: Sequence[ProgramBody], procedures: int) -> list[int]:
 
 
 def inlined(program: FrameProgram) -> tuple[ProgramBody, ...]:
-    """The bodies of a program with procedures called from one place laid out there (and left, uncalled, in the list)."""
+    """The bodies of a program with some procedures laid out where they are called (and left, uncalled, in the list).
+
+    GCC lays one out where the code does not grow by it: where its size, as often as it is called but once, is at most
+    what its calls cost with their arguments.
+    """
     sites = Counter(o.detail for body in program.bodies for o in body.operations if o.kind is Kind.CALL)
     bodies: list[ProgramBody] = []
-    for body in program.bodies:
-        bodies.append(_inline(body, bodies, sites))
+    laid_out: set[int] = set()
+    for i, body in enumerate(program.bodies):
+        bodies.append(_inline(body, bodies, laid_out))
+        calls = sites[i] if i < len(program.procedures) else 0
+        if calls and _size(bodies[i], bodies) * (calls - 1) <= calls * _call_size(body):
+            laid_out.add(i)
     return tuple(bodies)
 
 
-def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], sites: Counter[int]) -> ProgramBody:
-    if not any(o.kind is Kind.CALL and sites[o.detail] == 1 for o in body.operations):
+def _call_size(body: ProgramBody) -> int:
+    """A call in GCC's measure: two words for each real argument, one for a boolean, and what calls cost anyway."""
+    return 8 + sum(1 if body.booleans[v] else 2 for v in body.parameters)
+
+
+def _size(body: ProgramBody, bodies: Sequence[ProgramBody]) -> int:
+    """A body in GCC's measure: one for an operation and for a result stored, more where it branches."""
+    return len(body.results) + sum(_call_size(bodies[o.detail]) if o.kind is Kind.CALL else SIZES.get(o.kind, 1) for o in body.operations)
+
+
+def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], laid_out: Set[int]) -> ProgramBody:
+    if not any(o.kind is Kind.CALL and o.detail in laid_out for o in body.operations):
         return body
     booleans = list(body.booleans)
     operations: list[Operation] = []
@@ -47,8 +71,8 @@ def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], sites: Counter
 
     for o in body.operations:
         operands = renamed(o.operands, names)
-        if o.kind is not Kind.CALL or sites[o.detail] != 1:
-            operations.append(Operation(o.kind, o.results, operands, o.detail, o.origin))
+        if o.kind is not Kind.CALL or o.detail not in laid_out:
+            operations.append(replace(o, operands=operands))
             continue
         inner = procedures[o.detail]
         table: dict[int, Atom] = dict(zip(inner.parameters, operands, strict=True))
@@ -57,10 +81,20 @@ def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], sites: Counter
             booleans += [inner.booleans[r] for r in i.results]
             inner_operands = renamed(i.operands, table)
             table.update(zip(i.results, fresh, strict=True))
-            operations.append(Operation(i.kind, fresh, inner_operands, i.detail, o.origin))
+            operations.append(replace(i, results=fresh, operands=inner_operands, origin=o.origin))
         names.update(zip(o.results, renamed(inner.results, table), strict=True))
     results = renamed(body.results, names)
     return ProgramBody(body.name, body.parameters, tuple(operations), results, tuple(booleans), body.origins)
+
+
+def blocks(body: ProgramBody) -> list[int]:
+    """By operation: how many operations before it branch."""
+    found: list[int] = []
+    count = 0
+    for o in body.operations:
+        found.append(count)
+        count += o.kind in BRANCHING
+    return found
 
 
 def shared(body: ProgramBody) -> ProgramBody:

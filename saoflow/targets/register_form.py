@@ -1,7 +1,7 @@
 """A body with its values kept in registers: what an optimising compiler makes of it.
 
 The operations come scheduled once (``early_schedule.py``); registers are given for whole lives of values
-(``live_ranges.py``). Constants, inputs, results of calls with several and parameters beyond the registers of the calling
+(``live_ranges.py``). Constants are loaded anew after each branch. Constants, inputs, results of calls with several and parameters beyond the registers of the calling
 convention lie in memory until used. A comparison that selections alone read stays a flag; any other becomes a value. What
 is only carried from one place in memory to another and finds no register for reals goes through a pair of integer ones.
 """
@@ -15,8 +15,11 @@ from saoflow.scheduler.program import Operation, ProgramBody
 from saoflow.targets.instructions import Instruction, Machine, Stream
 from saoflow.targets.live_ranges import Allocation, Life, Registers, allocate
 from saoflow.targets.operation_form import emit_operation
-from saoflow.targets.peephole import chained_products, flags, folded_negations, is_doubling, is_negation
+from saoflow.targets.peephole import blocks, chained_products, flags, folded_negations, is_doubling, is_negation
 from saoflow.targets.target import InstructionSet
+
+Value = int | tuple[Literal, int]
+"""A value, or a constant and the straight line that it is loaded for."""
 
 PAIR = 2
 """Integer registers that carry one real."""
@@ -41,18 +44,21 @@ class _Form:
         self.negated = {o.results[0]: _other(o) for o in body.operations if o.results and o.results[0] in self.folded}
         self.flags = flags(body)
         self.atoms = [self._operands(o) for o in body.operations]
+        self.line = [*blocks(body), -1]
         self.lives = self._lives()
         calls = [k for k, o in enumerate(body.operations) if o.kind is Kind.CALL]
         most = Registers(isa.registers - isa.held_back, isa.preserved, isa.near)
         self.held: Allocation = allocate(list(self.lives.values()), len(body.operations), calls, most)
         self.carried = self._carried()
-        self.number: dict[Atom, int] = {}
+        self.number: dict[Value, int] = {}
         """What the stream knows a value by that is in a register now."""
 
     def instructions(self) -> list[Instruction]:
         pairs = PAIR * len(self.carried)
         kept = max(0, min(pairs - self.isa.integer_scratch, self.isa.integer_preserved))
-        for _ in range(self.held.saved):
+        reals = min(1, self.held.saved) if self.isa.save_many else self.held.saved
+        kept = min(1, kept) if self.isa.save_many else kept
+        for _ in range(reals):
             self.stream.emit(Machine.STORE)
         for _ in range(kept):
             self.stream.emit(Machine.INTEGER_STORE)
@@ -66,7 +72,7 @@ class _Form:
             number = self._get(a, len(self.body.operations))
             if not single:
                 self.stream.emit(Machine.INTEGER_STORE if self._boolean(a) else Machine.STORE, number)
-        for _ in range(self.held.saved):
+        for _ in range(reals):
             self.stream.emit(Machine.LOAD)
         for _ in range(kept):
             self.stream.emit(Machine.INTEGER_LOAD)
@@ -77,31 +83,32 @@ class _Form:
 
     # -- what lives where
 
-    def _lives(self) -> dict[Atom, Life]:
+    def _value(self, a: Atom, k: int) -> Value:
+        return (a, self.line[k]) if isinstance(a, Literal) else a
+
+    def _lives(self) -> dict[Value, Life]:
         body = self.body
-        reads: dict[Atom, list[int]] = {}
-        for k, atoms in enumerate(self.atoms):
+        reads: dict[Value, list[int]] = {}
+        for k, atoms in enumerate((*self.atoms, body.results)):
             for a in dict.fromkeys(atoms):
                 if not self._boolean(a):
-                    reads.setdefault(a, []).append(k)
-        for a in body.results:
-            if not self._boolean(a):
-                reads.setdefault(a, []).append(len(body.operations))
-        born: dict[Atom, int] = {}
-        stored: set[Atom] = set()
+                    reads.setdefault(self._value(a, k), []).append(k)
+        born: dict[Value, int] = {}
+        stored: set[Value] = set()
         arrived = [v for v in body.parameters if not body.booleans[v]][: self.isa.arguments] if self.procedure else []
         born.update(dict.fromkeys(arrived, -1))
+        line = self.line
         for k, o in enumerate(body.operations):
             if o.kind is not Kind.CALL or len(o.results) == 1:
                 born.update(dict.fromkeys(o.results, k))
-            if o.kind is Kind.READ:
-                stored.update(o.results)
+            if o.kind is Kind.READ:  # its own place serves as long as nothing branches
+                stored.update(r for r in o.results if all(line[j] == line[k] for j in reads.get(r, ())))
         return {
             a: Life(a, born.get(a, places[0]), tuple(places), a in stored or a not in born, a in born)
             for a, places in reads.items()
         }
 
-    def _carried(self) -> frozenset[Atom]:
+    def _carried(self) -> frozenset[Value]:
         """Read from memory, written to memory, not computed with, and without a register."""
         read = {o.results[0] for o in self.body.operations if o.kind is Kind.READ}
         return frozenset(
@@ -147,7 +154,7 @@ class _Form:
         atoms = self.atoms[k]
         operands = [self._get(a, k) for a in atoms]
         if o.results[0] in self.chained:
-            addend = self.lives.get(atoms[0])
+            addend = self.lives.get(self._value(atoms[0], k))
             if addend is not None and addend.end > k:  # the addend is overwritten
                 operands[0] = self.stream.emit(Machine.MOVE, operands[0])
             number = self.stream.emit(Machine.MULTIPLY_ADD, *operands)
@@ -166,8 +173,9 @@ class _Form:
                 self.stream.emit(Machine.INTEGER)
             elif reals < self.isa.arguments:
                 reals += 1
-                if a in self.number and not self.held.needs_load(a, k):
-                    self.stream.emit(Machine.MOVE, self.number[a])
+                value = self._value(a, k)
+                if value in self.number and not self.held.needs_load(value, k):
+                    self.stream.emit(Machine.MOVE, self.number[value])
                 else:
                     self._load(a)
             else:
@@ -194,11 +202,12 @@ class _Form:
 
     def _get(self, a: Atom, k: int) -> int:
         """The number of a value where operation ``k`` reads it, loaded if it is not in a register."""
+        value = self._value(a, k)
         if self._boolean(a):
-            return self.number.get(a, -1)
-        if a not in self.number or self.held.needs_load(a, k):
-            self.number[a] = self._load(a)
-        return self.number[a]
+            return self.number.get(value, -1)
+        if value not in self.number or self.held.needs_load(value, k):
+            self.number[value] = self._load(a)
+        return self.number[value]
 
     def _load(self, a: Atom) -> int:
         if not isinstance(a, Literal):
@@ -208,7 +217,7 @@ class _Form:
             address = self.stream.emit(Machine.INTEGER)
         return self.stream.emit(Machine.LOAD, address)
 
-    def _define(self, a: Atom, number: int) -> None:
+    def _define(self, a: int, number: int) -> None:
         if self._boolean(a):
             self.number[a] = number
         elif a in self.lives:

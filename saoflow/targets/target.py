@@ -76,6 +76,8 @@ class InstructionSet:
     """Registers that hold no value for long: the compiler reloads through them."""
     near: int
     """How many operations on a reloaded value is kept for a next read."""
+    save_many: bool
+    """Whether one instruction saves, and one restores, all registers that a body has to."""
     integer_scratch: int
     """Integer registers that a body may use without saving them."""
     integer_preserved: int
@@ -151,6 +153,7 @@ def _instruction_set(name: str, entry: Mapping[str, Any]) -> InstructionSet:
         entry["arguments"],
         entry["held_back"],
         entry["near"],
+        bool(entry["save_many"]),
         entry["integer_scratch"],
         entry["integer_preserved"],
         entry["literal"],
