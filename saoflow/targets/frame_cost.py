@@ -175,7 +175,7 @@ def _form(
     target: Target,
     optimised: bool,
 ) -> FormCost:
-    """Every body once, weighted by how often a frame runs it; rate groups count by their part of the hyperperiod."""
+    """Every body once, weighted by how often a frame runs it; what runs more seldom counts as in a frame in which all of it runs."""
     procedures = len(program.procedures)
     kinds: Counter[Machine] = Counter()
     costs: list[BodyCost] = []

@@ -23,6 +23,8 @@ class Machine(Enum):
     INTEGER_STORE = "integer_store"
     BRANCH = "branch"
 
+    __hash__ = object.__hash__  # by identity: what is looked up for every instruction
+
 
 REAL_KINDS = frozenset(
     {Machine.ADD, Machine.MULTIPLY, Machine.MULTIPLY_ADD, Machine.DIVIDE, Machine.COMPARE, Machine.MOVE}
