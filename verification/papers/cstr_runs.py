@@ -182,6 +182,7 @@ def refusals(seeds: Sequence[int], steps: int, tuning: Tuning, sign: float) -> R
 class Operations:
     """Operations of a frame of an Algorithm 2."""
 
+    exact: int  # a frame of the Algorithm 1 that it stands for
     frame: int
     ahead: int  # of the update, from last frame's solution to x^+
     waiting: int  # those of them that need y_t
@@ -194,8 +195,9 @@ WITHOUT_Y = ("cost", "free", "curved", "D_later", "back")
 
 def operations(sheet: str, N: int) -> Operations:
     """Count the operations of cstr_ahead or cstr_ahead_no_est."""
+    exact = saoflow.load(sheet.replace("ahead", "mhe"), parameters={"N": N}).budget().total
     tree = saoflow.load(sheet, parameters={"N": N}).budget().tree
     ahead = tree.parts["ahead"]
     early = sum(part.total for name, part in ahead.parts.items() if name.split("[")[0] in WITHOUT_Y)
     passes = sum(part.total for name, part in tree.parts.items() if name.startswith("passes"))
-    return Operations(tree.total, ahead.total, ahead.total - early, passes)
+    return Operations(exact, tree.total, ahead.total, ahead.total - early, passes)

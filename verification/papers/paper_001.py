@@ -38,10 +38,11 @@ def findings(pictures: Path, *, short: bool = False) -> Iterator[Finding]:
     """Figs. 1 and 2; short: 16 runs and 3 horizons for 50 and 10."""
     seeds = range(1, 17) if short else range(1, 51)
     horizons = (2, 3, 10) if short else (2, 3, 4, 5, 6, 8, 10, 12, 15, 20)
+    starts = STARTS[:: len(STARTS) // 2] if short else STARTS
     by_n = [run_sheets(seeds, N) for N in horizons]
     paper = next(horizon for horizon in by_n if horizon.N == 3)
     yield noises_help(paper)
-    yield beginning([paper, *(run_sheets(seeds, 3, start, ("cstr_mhe", "cstr_mhe_no_est")) for start in STARTS[1:])])
+    yield beginning([paper, *(run_sheets(seeds, 3, start, ("cstr_mhe", "cstr_mhe_no_est")) for start in starts[1:])], starts)
     yield one_step_ahead(paper, pictures)
     yield longer_windows(by_n, pictures)
     yield nearer_with_noises(by_n)
@@ -76,10 +77,10 @@ def noises_help(runs: Horizon) -> Finding:
     return Finding(PAPER, "Fig. 1, top", "estimating the disturbances", claim, verdict, "", text)
 
 
-def beginning(by_start: Sequence[Horizon]) -> Finding:
+def beginning(by_start: Sequence[Horizon], starts: Sequence[SetPoint]) -> Finding:
     """Fig. 1, top: where the improvement is largest."""
     rows, good = [], []
-    for start, runs in zip(STARTS, by_start, strict=True):
+    for start, runs in zip(starts, by_start, strict=True):
         turn = runs.N + BEGINNING
         early, late = (
             rms(runs.error("cstr_mhe_no_est", a, b)) / rms(runs.error("cstr_mhe", a, b))
@@ -93,7 +94,7 @@ def beginning(by_start: Sequence[Horizon]) -> Finding:
         verdict, condition = Verdict.HOLDS, ""
     elif good:
         verdict = Verdict.ONLY_IF
-        condition = f"the run starts in a state that suits it: {' and '.join(good)} of the {len(rows)} tried"
+        condition = f"the run starts at {' or '.join(good)}, of the {len(rows)} states tried"
     else:
         verdict, condition = Verdict.FAILS, ""
     text = (

@@ -19,6 +19,7 @@ def test_more_passes_come_nearer():
         assert all(a.typical >= b.typical for a, b in itertools.pairwise(rows))
         assert rows[-1].largest < 1e-6 and rows[-1].lost == 0
         assert rows[3].largest < enough
+        assert rows[3].epsilon < 1e-3 and rows[-1].epsilon <= rows[0].epsilon
 
 
 def test_the_distance_is_that_of_the_sheets_passes():
