@@ -79,13 +79,18 @@ class Run:
         return float(np.abs(self.error[flight, noise, :, SETTLED:]).max(axis=1).mean())
 
 
+def noise_seed(flight: int, seed: int) -> int:
+    """The seed of a flight's noise: no two flights have the same."""
+    return 1000 * flight + seed
+
+
 @cache
 def batch(seeds: tuple[int, ...]) -> tuple[dict[str, Array], Array]:
     """The readings of all flights, noises and seeds, flattened to one axis of runs, and the truth of alpha (flights, n)."""
     flights = [load_pulls(name) for name in FLIGHTS]
     rows = [
-        readings(truth, seed, biases=biases).inputs()
-        for truth in flights
+        readings(truth, noise_seed(flight, seed), biases=biases).inputs()
+        for flight, truth in enumerate(flights)
         for biases in (NO_BIASES, INPUT_BIASES)
         for seed in seeds
     ]

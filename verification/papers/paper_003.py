@@ -146,7 +146,7 @@ def _draw(pictures: Path, name: str, N: int, variants: Sequence[Variant], seeds:
             lower.set_ylabel("error of alpha, deg")
             lower.set_xlabel("t, s")
             lower.set_ylim(-0.6, 1.0)
-        axes[0, 0].legend(ncols=2)
+        axes[0, 1].legend(ncols=2)
         save(drawn, pictures / name)
 
 

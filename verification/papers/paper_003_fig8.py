@@ -12,7 +12,7 @@ import saoflow
 from verification.flights.faults import Fault
 from verification.flights.true_airspeed import INPUT_BIASES, NO_BIASES, PERIOD, PORTS, load_pulls, readings
 from verification.papers.finding import Finding, Verdict
-from verification.papers.mho_runs import DEGREES, FLIGHTS, SCENARIOS, Array
+from verification.papers.mho_runs import DEGREES, FLIGHTS, SCENARIOS, Array, noise_seed
 from verification.papers.paper_003 import PAPER, seeds_of
 from verification.papers.style import COLOURS, LIMIT, figure, save
 
@@ -67,8 +67,8 @@ class Detected:
 def detect(faults: tuple[Fault, ...], seeds: tuple[int, ...]) -> Detected:
     """Run all flights, with noise alone and with input biases."""
     rows = [
-        readings(load_pulls(flight), seed, biases=biases, faults=faults).inputs()
-        for flight in FLIGHTS
+        readings(load_pulls(name), noise_seed(flight, seed), biases=biases, faults=faults).inputs()
+        for flight, name in enumerate(FLIGHTS)
         for biases in (NO_BIASES, INPUT_BIASES)
         for seed in seeds
     ]

@@ -20,6 +20,8 @@ READING = Factor(
     ("MHO-PE, MHO-wD and MHO-woD are compared at one long horizon", "every estimator may choose its horizon")
 )
 
+TICKS = (200, 500, 1000, 2000, 5000)
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -100,6 +102,8 @@ def _draw(path: Path, found: Sequence[Choice]) -> None:
                 one = next(c for c in found if c.variant == variant)
                 axis.plot([one.operations], [one.errors[noise]], mark, ms=7, color=COLOURS[4], label=variant.name)
             axis.set_xscale("log")
+            axis.set_xticks(TICKS, [str(tick) for tick in TICKS])
+            axis.minorticks_off()
             axis.set_title(title)
             axis.set_xlabel("operations a frame")
             axis.set_ylabel("rms error of alpha, deg")
