@@ -193,7 +193,7 @@ def print_table(table: Table, console: Console) -> None:
 
     shown = RichTable(title=Text(table.title), title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     for i, head in enumerate(table.heads):
-        shown.add_column(Text(head), justify="left" if i == 0 else "right", no_wrap=i == 0)
+        shown.add_column(Text(head), justify="left" if i == 0 else "right", no_wrap=i in (0, len(table.heads) - 1))
     for row in table.rows:
         shown.add_row(*(Text(cell) for cell in row))  # not markup: a variant has brackets
     console.print(shown)

@@ -35,7 +35,7 @@ def compare(
     ] = None,
     output: Annotated[
         str | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Page (.html) or picture (.png).", show_default=False),
+        typer.Option("-o", "--output", metavar="FILE", help="Page (.html), picture (.png) or table (.md).", show_default=False),
     ] = None,
     runs: Annotated[
         str | None,

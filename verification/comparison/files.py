@@ -1,4 +1,4 @@
-"""Writing a comparison: a page, or its picture alone."""
+"""Writing a comparison: a page, its picture, or its table."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from saoflow.diagnosis import did_you_mean, refusal
 from saoflow.report.style import style, svg
 from saoflow.whole_file import write_whole
 from verification.campaigns.page import page
+from verification.campaigns.tables import markdown_table
 from verification.comparison.compare import Comparison
 from verification.comparison.picture import picture
 from verification.comparison.tables import table_of
 from verification.papers.style import save
 
-KINDS = (".html", ".png")
+KINDS = (".html", ".png", ".md")
 
 
 def check_output(output: str) -> Path:
@@ -22,8 +23,8 @@ def check_output(output: str) -> Path:
     path = Path(output)
     if path.suffix not in KINDS:
         near = did_you_mean(path.suffix, KINDS)
-        remedy = near or "end its name in .html (a page) or .png (the picture alone)"
-        raise refusal("E601", f"{output} cannot be written", cause=f"its name ends in neither {' nor '.join(KINDS)}", remedy=remedy)
+        remedy = near or "end its name in .html (a page), .png (the picture alone) or .md (the table alone)"
+        raise refusal("E601", f"{output} cannot be written", cause=f"its name ends in none of {', '.join(KINDS)}", remedy=remedy)
     folder = path.resolve().parent
     cause = "it is a folder" if path.is_dir() else ""
     if not folder.is_dir():
@@ -36,14 +37,18 @@ def check_output(output: str) -> Path:
 
 
 def write(comparison: Comparison, path: Path) -> None:
-    """Write the page or the picture, all of it or nothing. Raises DiagnosisError E601."""
+    """Write the page, the picture or the table, all of it or nothing. Raises DiagnosisError E601."""
+    table = table_of(comparison)
     try:
+        if path.suffix == ".md":
+            text = "\n".join(["# Sheets compared", "", *markdown_table(table), "", table.note, ""])
+            write_whole(path, text.encode())
+            return
         with style("comparison"), picture(comparison) as drawn:
             if path.suffix == ".png":
                 save(drawn, path)
                 return
             shown = svg(drawn, "comparison", "accuracy and detection against operations and time a frame")
-        table = table_of(comparison)
         lead = (
             "Each point is a sheet or a variant of one; the line joins those that no other beats in both. Hollow: over the "
             "budget."

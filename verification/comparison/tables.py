@@ -8,7 +8,7 @@ from verification.comparison.picture import QUALITIES
 
 HEADS = (
     "sheet",
-    "operations",
+    "ops a frame",
     "budget",
     "time [us]",
     "AOA [deg]",
@@ -61,5 +61,5 @@ def _row(entry: Entry, best: list[str]) -> tuple[str, ...]:
         number(entry.delay),
         str(entry.false_alarms),
         str(entry.wrong),
-        ", ".join(_SHORT[field] for field in best) or "-",
+        ",".join(_SHORT[field] for field in best) or "-",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -182,6 +183,21 @@ def test_bad_arguments_are_told_together(tmp_path: Path) -> None:
     for code in ("E803", "E609", "E603"):
         assert f"error[{code}]" in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_answers_in_json(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(yaml_of(1, 6))
+    command = [*COMMAND, "small.yaml", "-o", "out", "--workers", "1", "--set", "n_detect=4", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads(done.stdout)
+    assert (facts["campaign"], facts["runs"]) == ("small", 6)
+    assert facts["sheets"][0]["sheet"] == "umhe_fte[n_detect=4]" and facts["sheets"][0]["faulty"]["runs"] == 6
+    # with another parameter it is another campaign
+    command[command.index("n_detect=4")] = "n_detect=3"
+    refused = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert refused.returncode == 2
+    assert [d["code"] for d in json.loads(refused.stdout)["diagnoses"]] == ["E802"]
 
 
 def test_a_sheet_of_other_ports_is_refused(tmp_path: Path) -> None:

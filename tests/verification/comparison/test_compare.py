@@ -90,15 +90,16 @@ def test_what_no_other_beats() -> None:
 
 
 def test_files(found: Comparison, tmp_path: Path) -> None:
-    for name in ("page.html", "picture.png"):
+    for name in ("page.html", "picture.png", "table.md"):
         write(found, check_output(str(tmp_path / name)))
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "<svg" in page and "umhe_fte[n_eval=5]" in page and "http-equiv" not in page
     for row in table_of(found).rows:
         for cell in row:
             assert f"<td>{cell}</td>" in page
+        assert f"| {' | '.join(row)} |" in (tmp_path / "table.md").read_text(encoding="utf-8")
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "picture.png"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "picture.png", "table.md"]
 
 
 @pytest.mark.parametrize("name", ["table.pdf", "there/is/no/folder.html", "."])
