@@ -172,3 +172,9 @@ def test_at_the_bound_the_vertical_speed_says_what_alpha_is():
     alpha = paper_004_sensitivity.long_run(ALPHA, "cmhe_fte", onset=4.0, seconds=9.0)[-1]
     v_z, own = 1.0 / (0.20 / 191.0**2), 1.0 / 1.2e-5
     assert alpha == pytest.approx(v_z / (v_z + own), abs=0.03)
+
+
+def test_the_shipped_tables_are_the_shipped_campaigns():
+    found = titled(paper_004_tables.findings(Path(), short=True))
+    assert {name: f.verdict for name, f in found.items()}.items() <= shipped().items()
+    assert all("`table_iv`" in f.text for f in found.values())
