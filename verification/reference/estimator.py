@@ -55,6 +55,7 @@ class State:
     squares_held: Array  # (N_eval - 1, 2, 3)
     bads: Mask  # (N_eval - 1, 2, 3)
     aparts: Mask  # (N_eval - 1, 2)
+    rms_before: Array  # (2, 3), SI
     wind_held: Array  # (2,), W_z and W_x from before the sensors of alpha, V_c disagreed
     doubtful: Mask  # (2, 3)
     faulty: Mask  # (2, 3): confirmed alpha and V_c sensors
@@ -126,6 +127,7 @@ def initial_state(tuning: Tuning) -> State:
         squares_held=np.zeros((tuning.n_eval - 1, 2, 3)),
         bads=np.zeros((tuning.n_eval - 1, 2, 3), dtype=bool),
         aparts=np.zeros((tuning.n_eval - 1, 2), dtype=bool),
+        rms_before=np.zeros((2, 3)),
         wind_held=np.zeros(2),
         doubtful=np.zeros((2, 3), dtype=bool),
         faulty=np.zeros((2, 3), dtype=bool),
@@ -153,6 +155,8 @@ def step(state: State, inputs: Inputs, tuning: Tuning, method: Method) -> Step:
         held,
         state.residuals,
         state.squares_held,
+        state.rms_before,
+        state.doubtful,
         state.bads,
         state.faulty,
         start.inhibit,
@@ -191,6 +195,7 @@ def step(state: State, inputs: Inputs, tuning: Tuning, method: Method) -> Step:
         squares_held=np.concatenate([state.squares_held[1:], judgement.square_held[None]]),
         bads=np.concatenate([state.bads[1:], judgement.bad[None]]),
         aparts=np.concatenate([state.aparts[1:], wind_held.apart[None]]),
+        rms_before=judgement.rms,
         wind_held=wind_held.wind,
         doubtful=judgement.doubtful,
         faulty=judgement.faulty,

@@ -2,7 +2,8 @@
 
 Beside it the doubt, which the paper does not know. Two faulty sensors that drift alike, or one that stands still while the
 wind changes, can draw the prediction away from a healthy sensor. So, where the sensors of a kind disagree, the wind from
-before is kept, and a sensor that fits it better than the prediction is not condemned: it is in doubt.
+before is kept, and a sensor that fits it better than the prediction is not condemned: it is in doubt, and stays so while
+its residual falls, as it does once the prediction is drawn back.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ def judge(
     held: Array,
     residuals: Array,
     squares_held: Array,
+    rms_before: Array,
+    doubtful_before: Mask,
     bads: Mask,
     faulty: Mask,
     inhibit: bool,
@@ -48,6 +51,8 @@ def judge(
         held: the same with the wind from before the sensors disagreed.
         residuals: the last N_eval - 1 residuals, shape (N_eval - 1, 2, 3).
         squares_held: the last N_eval - 1 values of `square_held`, same shape.
+        rms_before: `rms` of the last frame, shape (2, 3).
+        doubtful_before: `doubtful` of the last frame, shape (2, 3).
         bads: the last N_eval - 1 values of `bad`, same shape.
         faulty: confirmed faults up to the last frame, shape (2, 3).
         inhibit: no residual may be judged in this frame.
@@ -59,9 +64,12 @@ def judge(
     rms = np.sqrt(squares / tuning.n_eval)  # (18)
     over = (rms > tuning.threshold) & (not inhibit)
     square_held = np.where(missing, 0.0, inputs.sensors - held[:, None]) ** 2
-    near = squares_held.sum(axis=0) + square_held < tuning.doubt**2 * tuning.n_eval * rms**2
-    doubtful = over & near
-    bad = (over & ~near) | missing
+    sum_held = squares_held.sum(axis=0) + square_held
+    small = sum_held <= (tuning.doubt_limit * tuning.threshold) ** 2 * tuning.n_eval
+    near = small & (sum_held < tuning.doubt**2 * tuning.n_eval * rms**2)
+    recovering = doubtful_before & (rms < rms_before)
+    doubtful = over & (near | recovering)
+    bad = (over & ~doubtful) | missing
     confirmed = bads.sum(axis=0) + bad >= tuning.n_detect
     return Judgement(residual, rms, square_held, over, doubtful, bad, faulty | confirmed)
 

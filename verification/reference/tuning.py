@@ -54,6 +54,7 @@ class Tuning:
     alpha_split: float = quantity(1.0, "deg", CHOSEN + "five times the sensor noise; agreeing sensors are nearer")
     vc_split: float = quantity(4.0, "kt", CHOSEN + "five times the sensor noise; agreeing sensors are nearer")
     doubt: float = quantity(0.8, "1", CHOSEN + "docs/detection.md; 0: as in the paper, no sensor is ever in doubt")
+    doubt_limit: float = quantity(2.5, "1", CHOSEN + "docs/detection.md; times the threshold")
 
     # P, Q, R of (21a), (22)
     p_alpha: float = quantity(1e-6, "rad^2", CHOSEN + "smaller than R_alpha, as VI-A advises; see q_alpha")

@@ -237,6 +237,7 @@ def memory(wires: StateWires, scales: Scales, choices: int) -> Iterator[Memory]:
     yield one("past bad of vc", wires.bads[1], 1.0, lambda s: s.bads[:, 1])
     yield one("past disagreement of alpha", wires.aparts[0], 1.0, lambda s: s.aparts[:, 0])
     yield one("past disagreement of vc", wires.aparts[1], 1.0, lambda s: s.aparts[:, 1])
+    yield one("rms before", wires.rms_before, scales.sensors, lambda s: s.rms_before)
     yield one("wind kept", wires.wind_held, scales.x[[3, 2]], lambda s: s.wind_held)
     yield one("in doubt", wires.doubtful, 1.0, lambda s: s.doubtful)
     yield one("faulty", wires.faulty, 1.0, lambda s: s.faulty)

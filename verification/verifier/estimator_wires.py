@@ -36,6 +36,7 @@ class StateWires:
     squares_held: tuple[tuple[str, ...], ...]
     bads: tuple[tuple[str, ...], ...]
     aparts: tuple[tuple[str, ...], ...]
+    rms_before: tuple[str, ...]
     wind_held: tuple[str, ...]
     doubtful: tuple[str, ...]
     faulty: tuple[str, ...]
@@ -44,7 +45,7 @@ class StateWires:
     def all(self) -> tuple[str, ...]:
         """Every wire."""
         single = (self.held, self.started, self.inhibit_count, self.x_warm, self.u_warm, *self.wind_held)
-        windows = (self.theta_past, self.y_past, self.mask_past, self.doubtful, self.faulty)
+        windows = (self.theta_past, self.y_past, self.mask_past, self.rms_before, self.doubtful, self.faulty)
         of_sensors = (*self.residuals, *self.squares_held, *self.bads, *self.aparts)
         return (*single, *(wire for window in (*windows, *of_sensors) for wire in window))
 
@@ -70,6 +71,7 @@ class StateWires:
             squares_held=both(self.squares_held),
             bads=both(self.bads).astype(bool),
             aparts=both(self.aparts).astype(bool),
+            rms_before=stack(self.rms_before),
             wind_held=stack(self.wind_held),
             doubtful=stack(self.doubtful).astype(bool),
             faulty=stack(self.faulty).astype(bool),
@@ -92,6 +94,7 @@ def state_wires(tuning: Tuning) -> StateWires:
         bads=tuple(taps(f"{sensor}_check.decision.count.sum.past", evaluated) for sensor in SENSORS),
         squares_held=tuple(taps(f"{sensor}_check.sum_held.past", evaluated) for sensor in SENSORS),
         aparts=tuple(taps(f"{sensor}_wind.count.sum.past", evaluated) for sensor in SENSORS),
+        rms_before=tuple(f"{sensor}_check.J_before" for sensor in SENSORS),
         wind_held=tuple(f"{sensor}_wind.before" for sensor in SENSORS),
         doubtful=tuple(f"{sensor}_check.doubtful_before" for sensor in SENSORS),
         faulty=tuple(f"{sensor}_check.decision.before" for sensor in SENSORS),
