@@ -8,11 +8,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 OLDEST := 11
 
-.PHONY: help demo test lint clean
+.PHONY: help demo test lint docs clean
 
 help:
 	@echo "make demo   set up, and run the main job: a flight with a fault, from YAML to a report in out/"
 	@echo "make test   set up, and run the tests"
+	@echo "make docs   set up, and build the documentation into out/documentation/site"
 	@echo "make clean  remove the set-up"
 
 demo: $(VENV)/.installed
@@ -24,6 +25,9 @@ test: $(VENV)/.installed-test lint
 lint: $(VENV)/.installed-test
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
+
+docs: $(VENV)/.installed-test
+	@$(BIN)/python -m verification.documentation
 
 # A Python that is new enough, by name or as the default one; PYTHON=... chooses another.
 $(BIN)/python:

@@ -36,21 +36,37 @@ def render_svg(sheet: LoadedSheet, inside: str = "") -> str:
 
     Raises DiagnosisError E605 without the extra ``saoflow[svg]``, E303 for a path that is none.
     """
-    data, _ = view_data(sheet, None)
-    drawing = data["drawings"][find_drawing(data, inside)]
-    types = [None if number is None else data["types"][number] for number in data["wires"][drawing["body"]]]
-    width, height, body = _drawn(drawing, types)
-    colours = {**LIGHT, **OWN_LIGHT}
-    css = (FOLDER / "view.css").read_text(encoding="utf-8")
-    css = css[css.index(".box{") : css.index("@media")]
-    for role, colour in colours.items():
-        css = css.replace(f"var(--{role})", colour)
-    title = escape(f"{sheet.name} {inside}".strip())
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" '
-        f'height="{height:.0f}" role="img" aria-label="{title}"><title>{title}</title><style>{escape(css, quote=False)}</style>'
-        f'<rect width="100%" height="100%" fill="{LIGHT["paper"]}"/>{body}</svg>\n'
-    )
+    return Drafter(sheet).draw(inside)
+
+
+class Drafter:
+    """Draws several parts of one sheet with one engine."""
+
+    def __init__(self, sheet: LoadedSheet) -> None:
+        """Raises DiagnosisError E605 without the extra ``saoflow[svg]``."""
+        self.sheet = sheet
+        self.data, _ = view_data(sheet, None)
+        self._engine: Any = None
+
+    def draw(self, inside: str = "") -> str:
+        """One drawing as SVG. Raises DiagnosisError E303 for a path that is none."""
+        data = self.data
+        drawing = data["drawings"][find_drawing(data, inside)]
+        types = [None if number is None else data["types"][number] for number in data["wires"][drawing["body"]]]
+        if self._engine is None:
+            self._engine = _engine()
+        width, height, body = _drawn(self._engine, drawing, types)
+        css = (FOLDER / "view.css").read_text(encoding="utf-8")
+        css = css[css.index(".box{") : css.index("@media")]
+        for role, colour in {**LIGHT, **OWN_LIGHT}.items():
+            css = css.replace(f"var(--{role})", colour)
+        title = escape(f"{self.sheet.name} {inside}".strip())
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" '
+            f'height="{height:.0f}" role="img" aria-label="{title}"><title>{title}</title>'
+            f"<style>{escape(css, quote=False)}</style>"
+            f'<rect width="100%" height="100%" fill="{LIGHT["paper"]}"/>{body}</svg>\n'
+        )
 
 
 def find_drawing(data: dict[str, Any], path: str) -> int:
@@ -76,8 +92,8 @@ def find_drawing(data: dict[str, Any], path: str) -> int:
     return number
 
 
-def _drawn(drawing: dict[str, Any], types: list[Any]) -> tuple[float, float, str]:
-    """Width, height and content of a drawing. Raises DiagnosisError E605."""
+def _engine() -> Any:
+    """A JavaScript engine that can lay out and draw. Raises DiagnosisError E605."""
     try:
         from py_mini_racer import MiniRacer
     except ImportError:
@@ -96,6 +112,11 @@ def _drawn(drawing: dict[str, Any], types: list[Any]) -> tuple[float, float, str
     engine.eval(gzip.decompress((FOLDER / "elk" / "elk.bundled.js.gz").read_bytes()).decode())
     for name in ("layout.js", "render.js"):
         engine.eval((FOLDER / name).read_text(encoding="utf-8"))
+    return engine
+
+
+def _drawn(engine: Any, drawing: dict[str, Any], types: list[Any]) -> tuple[float, float, str]:
+    """Width, height and content of a drawing."""
     engine.eval(f"var given = {json.dumps({'drawing': drawing, 'types': types}, allow_nan=False)};")
     engine.eval(DRAW)
     answer = json.loads(str(engine.eval("answer")))
