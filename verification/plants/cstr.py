@@ -2,13 +2,14 @@
 
 What the paper leaves open, and what is done here:
 
-- The step is h = 0.5 (theta/40). The noises stand in the right-hand sides, as printed, so a step moves the state by h w. With
-  h = 1 the temperature leaves the operating points altogether, with h = 0.25 the noise hardly shows in the figures.
+- The step is h = 0.5 (theta/40). The noises stand in the right-hand sides, as printed, so a step moves the state by h w.
+  With h = 1 the reactor goes out in 14 of the first 20 runs; with h = 0.25 a step moves the temperature no more than its
+  measurement errs.
 - Implicit Euler is solved by Newton's method to rounding.
 - The set-points are the two that balance (Hicks and Ray): (0.0944, 0.7766) with u = 340 in the first half and
   (0.1367, 0.7293) with u = 390 in the second. The run starts on the second, so that both halves begin with a change.
 - The controller is proportional and acts on the measured temperature: u = u_s + 5000 (y - T_s), limited to 0 ... 2000.
-  It keeps the reactor burning against a temperature noise of 0.025 a step (with 1500 it goes out in a fifth of the runs).
+  In seeds 1 to 50 the concentration passes 0.8, where the reactor is all but out, in one run (with a gain of 1500: in ten).
 """
 
 from __future__ import annotations
