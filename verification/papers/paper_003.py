@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from verification.flights.true_airspeed import PERIOD, load_pulls
+from verification.flights.true_airspeed import INPUT_BIASES, PERIOD, load_pulls
 from verification.papers.conditions import Factor, judged
 from verification.papers.finding import Finding, Verdict
 from verification.papers.mho_runs import (
@@ -198,8 +198,9 @@ def long_horizon(pictures: Path, seeds: tuple[int, ...]) -> Finding:
     _draw(pictures, name, N, (EKF, PE, WOD, WD), seeds, noise=1)
     text = (
         "As Fig. 3, N = 15.\n\n" + error_table(_all(N, seeds))
-        + "\n\nMHO-woD believes its prediction over 1.2 s: the noise of q alone, added up, is 0.25 deg by then, "
-        "and a constant error of 0.5 deg/s is 0.6 deg."
+        + f"\n\nMHO-woD believes its prediction over {N * PERIOD:.1f} s: the noise of q alone, added up, is "
+        f"{PERIOD * DEVIATIONS['q_m'] * DEGREES * N**0.5:.2f} deg by then, and a constant error of q of "
+        f"{INPUT_BIASES.q * DEGREES:.1f} deg/s is {INPUT_BIASES.q * DEGREES * N * PERIOD:.1f} deg."
     )
     stated = "At N = 15 the observer without disturbance estimates (MHO-woD) is even worse than the EKF"
     return Finding(PAPER, "Fig. 4", "estimates with N = 15", stated, verdict, condition, text, (name,))
