@@ -1,7 +1,7 @@
 """The documents of the shipped campaigns: ``python -m verification.campaigns.documents [-o docs/campaign] [--runs DIR]``.
 
-Runs the shipped campaigns `table_iv` and `monte_carlo` and copies their reports: NAME.md, NAME.png, and NAME.json,
-which ``python -m verification.papers`` reads. ``--runs`` keeps the runs, and goes on from them. The first time, flights are
+Runs the shipped campaigns `table_iv`, `monte_carlo` and `detection` and copies their reports: NAME.md, NAME.png, and
+NAME.json, which ``python -m verification.papers`` reads. ``--runs`` keeps the runs, and goes on from them. The first time, flights are
 recorded for some minutes.
 """
 
@@ -19,7 +19,7 @@ from verification.campaigns.reader import load_campaign
 from verification.campaigns.report import write_report
 from verification.campaigns.run import run_campaign
 
-NAMES = ("table_iv", "monte_carlo")
+NAMES = ("table_iv", "monte_carlo", "detection")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
