@@ -4,10 +4,10 @@
 - two processes against one;
 - memory against the number of flights.
 
-Everything in one run; each campaign in a new process. Other programs disturb clocks, so times are processor times: that of a
-campaign on two processes is the larger of half of what its workers used (chunks are handed out as workers become free) and
-what the process used that hands out and keeps. The clock's ratio of two processes against one stands beside it; it is the
-same on a machine that does nothing else.
+Everything in one run; each campaign in a new process. Other programs disturb clocks, so times are processor times:
+that of a campaign on two processes is the larger of half of what its workers used (chunks are handed out as workers
+become free) and what the process used that hands out and keeps. The clock's ratio of two processes against one stands
+beside it; it is the same on a machine that does nothing else.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ def main() -> None:
     """Print medians and ratios."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=10_000)
-    parser.add_argument("--repeat", type=int, default=3, help="of two processes against one, with a fifth of the flights")
+    parser.add_argument(
+        "--repeat", type=int, default=3, help="of two processes against one, with a fifth of the flights"
+    )
     parser.add_argument("--one", nargs=3, type=int, metavar=("FLIGHTS", "WORKERS", "SECONDS"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
@@ -81,7 +83,9 @@ def main() -> None:
 
 def _against_reference(whole: Spent, reference: float) -> None:
     each = whole.on_two / whole.frames
-    print(f"{whole.flights} flights, {whole.frames} frames: {whole.clock:.1f} s by the clock, {whole.alone:.1f} s of processors")
+    print(
+        f"{whole.flights} flights, {whole.frames} frames: {whole.clock:.1f} s by the clock, {whole.alone:.1f} s of processors"
+    )
     print(
         f"numpy reference / campaign on two cores   {1e6 * reference:8.1f} us / {1e6 * each:6.3f} us = "
         f"{reference / each:7.0f}; needed: {NEEDED_REFERENCE:g}"

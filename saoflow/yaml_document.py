@@ -1,4 +1,4 @@
-"""A YAML file that is no sheet (a campaign, say): its nodes with their places, and what is wrong in it told as for a sheet."""
+"""A YAML file that is no sheet: its nodes with their places, and what is wrong in it told as for a sheet."""
 
 from __future__ import annotations
 

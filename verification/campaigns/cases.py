@@ -1,7 +1,7 @@
 """The runs of a campaign: each by its number, always the same, whatever runs before or beside it.
 
-Runs are numbered sheet by sheet, and within a sheet set by set. What is drawn for a run comes from a random stream of its
-own, so that runs can be made one by one in any order and in any process.
+Runs are numbered sheet by sheet, and within a sheet set by set. What is drawn for a run comes from a random stream of
+its own, so that runs can be made one by one in any order and in any process.
 """
 
 from __future__ import annotations
@@ -98,7 +98,11 @@ class Cases:
     def _flight_of(self, runs: RunSet, index: int) -> int:
         """Flights in order of length, each as often as any other: neighbours among the runs are of like length."""
         available = self.flight_count(runs.flights)
-        return index * available // runs.count if runs.count >= available else (2 * index + 1) * available // (2 * runs.count)
+        return (
+            index * available // runs.count
+            if runs.count >= available
+            else (2 * index + 1) * available // (2 * runs.count)
+        )
 
     def flight_count(self, name: str) -> int:
         """Flights of a set."""

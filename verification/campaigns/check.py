@@ -89,5 +89,3 @@ def _try(simulator: Simulator) -> None:
 
 def _shape(port: ProgramPort) -> tuple[int, ...]:
     return port.type.shape
-
-

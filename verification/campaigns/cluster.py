@@ -42,7 +42,7 @@ class Cluster:
         self._client.close()
 
     def spread(self, work: Callable[[T], R], items: Iterable[T], lost: Callable[[T], R]) -> Iterator[tuple[T, R]]:
-        """As `pool.spread`: an item whose worker dies is flown by another, and ``lost`` once several have died of it."""
+        """As `pool.spread`: an item whose worker dies goes to another, and is ``lost`` once several have died of it."""
         distributed = _distributed()
         source = iter(items)
         pending: dict[Any, T] = {}
@@ -89,7 +89,9 @@ def _connected(address: str) -> Any:
         return client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         cause = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise _unusable(address, cause, "name the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786") from None
+        raise _unusable(
+            address, cause, "name the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786"
+        ) from None
 
 
 def _unusable(address: str, cause: str, remedy: str) -> Exception:

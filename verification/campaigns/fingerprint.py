@@ -48,7 +48,9 @@ def _sheet_content(sheet: str) -> str:
     path = Path(sheet)
     if not path.is_file():
         return sheet
-    return _digest(*(f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()}" for p in sorted(path.parent.glob("*.yaml"))))
+    return _digest(
+        *(f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()}" for p in sorted(path.parent.glob("*.yaml")))
+    )
 
 
 def _digest(*texts: str) -> str:

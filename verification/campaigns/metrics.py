@@ -6,10 +6,10 @@ With "AOA" and "VCAS" told apart, as its Table IV does:
 - MDR: of the faulty runs, those in which at least one faulty sensor of the kind was not confirmed;
 - FIR: of the faulty runs, those in which at least one healthy sensor of the kind was confirmed (or a faulty one before
   its fault);
-- detection delay of a run: from the onset of the fault to the confirmation of the last faulty sensor of the kind; largest
-  and mean over the runs in which all were confirmed;
-- absolute errors: the largest of all frames; the mean over the runs of each run's mean. After the start-up. V_c without the
-  runs of categories III and IV, since the paper leaves those configurations out; they stand apart.
+- detection delay of a run: from the onset of the fault to the confirmation of the last faulty sensor of the kind;
+  largest and mean over the runs in which all were confirmed;
+- absolute errors: the largest of all frames; the mean over the runs of each run's mean. After the start-up. V_c
+  without the runs of categories III and IV, since the paper leaves those configurations out; they stand apart.
 
 Runs that failed count nowhere but in ``failed``.
 """
@@ -76,7 +76,7 @@ class Group:
 
 @dataclass(frozen=True)
 class SheetMetrics:
-    """One sheet of a campaign: its runs in groups. All groups but the two of winds beyond the bounds are inside them."""
+    """One sheet of a campaign: its runs in groups. All groups but the two "beyond" have winds inside the bounds."""
 
     sheet: str
     fault_free: Group

@@ -88,7 +88,13 @@ def _delays(axis: Any, seen: Seen, title: str) -> None:
         if len(delays):
             share = 100.0 * np.arange(1, len(delays) + 1) / seen.must[sensor]
             few = np.unique(np.linspace(0, len(delays) - 1, MOST_POINTS).astype(int))
-            axis.step(np.maximum(delays[few], 0.02), share[few], where="post", color=colour, label=f"{name} ({seen.must[sensor]})")
+            axis.step(
+                np.maximum(delays[few], 0.02),
+                share[few],
+                where="post",
+                color=colour,
+                label=f"{name} ({seen.must[sensor]})",
+            )
     axis.set_xscale("log")
     axis.set_ylim(0.0, 102.0)
     axis.set_xlabel("delay [s]")

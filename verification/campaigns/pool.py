@@ -24,14 +24,12 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def spread(
-    work: Callable[[T], R], items: Iterable[T], workers: int, lost: Callable[[T], R]
-) -> Iterator[tuple[T, R]]:
+def spread(work: Callable[[T], R], items: Iterable[T], workers: int, lost: Callable[[T], R]) -> Iterator[tuple[T, R]]:
     """Yields (item, ``work(item)``) as they are done; with one worker in this process, in order.
 
     ``work`` must be importable. A process that dies (out of memory, killed) takes the others with it: a new pool goes
-    on, each of the items that were under way is tried alone, and the one that kills its process again gets ``lost(item)``.
-    Raises DiagnosisError E808 if processes do not even start.
+    on, each of the items that were under way is tried alone, and the one that kills its process again gets
+    ``lost(item)``. Raises DiagnosisError E808 if processes do not even start.
     """
     if workers <= 1:
         for item in items:
@@ -47,7 +45,9 @@ def spread(
             yield item, _alone(work, item, lost)
 
 
-def _until_broken(work: Callable[[T], R], source: Iterator[T], workers: int, suspects: list[T]) -> Iterator[tuple[T, R]]:
+def _until_broken(
+    work: Callable[[T], R], source: Iterator[T], workers: int, suspects: list[T]
+) -> Iterator[tuple[T, R]]:
     """Until the source is empty, or a process dies: then ``suspects`` holds what was under way."""
     pending: dict[Future[R], T] = {}
     with _executor(workers) as pool:

@@ -207,7 +207,9 @@ def _flight_sets(document: Document, node: Node) -> tuple[FlightSet, ...]:
     for key, value in document.entries(node, "`flights`", "write `NAME: {drawn: 10}` or `NAME: {recorded: [...]}`"):
         name = document.name(key, "a set of flights")
         if type(value) is not Mapping:
-            document.wrong_kind(value, f"`{key.value}`", "`key: value` entries", "write {drawn: 10} or {recorded: [...]}")
+            document.wrong_kind(
+                value, f"`{key.value}`", "`key: value` entries", "write {drawn: 10} or {recorded: [...]}"
+            )
         elif "recorded" in value.keys:
             recorded = _recorded(document, key.value, value)
             found += [recorded] if name is not None and recorded is not None else []
@@ -220,7 +222,9 @@ def _flight_sets(document: Document, node: Node) -> tuple[FlightSet, ...]:
                 document.unknown_key(word, "a set of flights", (*_DRAWN, *_RECORDED))
             if wrong:
                 continue
-            document.missing(value, "drawn", "flights are `drawn` or `recorded`", "add `drawn: 10` or `recorded: [NAME]`")
+            document.missing(
+                value, "drawn", "flights are `drawn` or `recorded`", "add `drawn: 10` or `recorded: [NAME]`"
+            )
     return tuple(found)
 
 
@@ -268,7 +272,9 @@ def _drawn(document: Document, name: str, node: Mapping) -> DrawnFlights | None:
             case "aircraft":
                 found = replace(found, aircraft=values.words(document, value, what, AIRCRAFT, "E702") or AIRCRAFT)
             case "duration":
-                found = replace(found, duration=values.interval(document, value, what, 20.0, 3600.0, "s") or found.duration)
+                found = replace(
+                    found, duration=values.interval(document, value, what, 20.0, 3600.0, "s") or found.duration
+                )
             case "cas":
                 found = replace(found, cas=values.interval(document, value, what, 160.0, 400.0, "kt") or found.cas)
             case "altitude":

@@ -20,7 +20,8 @@ from verification.papers.style import save
 
 
 def write_report(campaign: Campaign, results: Path) -> tuple[tuple[SheetMetrics, ...], tuple[Path, ...]]:
-    """Writes report.md, report.json, report.html and report.png beside the results; the metrics and the files come back.
+    """Writes report.md, report.json, report.html and report.png beside the results; the metrics and the files come
+    back.
 
     Without a run with a fault there is no picture. Raises DiagnosisError E501, E601.
     """

@@ -18,9 +18,9 @@ class Row:
     """One run. Frames count from 0; NaN: does not apply.
 
     ``alpha_faulty``, ``vc_faulty``: sensors hit, as digits ("13"); ``*_confirmed_i``: first frame in which sensor i was
-    confirmed faulty; ``*_onset``: first faulty frame. ``*_detectable``: a fault whose residual must exceed the threshold
-    (`detectable`). Errors: absolute, estimate minus truth, after the start-up; ``vc_*`` over the frames in configurations
-    I and II, ``vc_*_lost`` over those in III and IV. ``*_rms``: largest residual rms after the start-up.
+    confirmed faulty; ``*_onset``: first faulty frame. ``*_detectable``: a fault whose residual must exceed the
+    threshold (`detectable`). Errors: absolute, estimate minus truth, after the start-up; ``vc_*`` over the frames in
+    configurations I and II, ``vc_*_lost`` over those in III and IV. ``*_rms``: largest residual rms after the start-up.
     """
 
     run: int
@@ -101,7 +101,8 @@ class Row:
         """A healthy sensor of the kind was confirmed, or a faulty one before its fault."""
         hit, onset = self.hit(sensor), self.onset(sensor)
         return any(
-            frame != NEVER and (i not in hit or frame < onset) for i, frame in enumerate(self.confirmed(sensor), start=1)
+            frame != NEVER and (i not in hit or frame < onset)
+            for i, frame in enumerate(self.confirmed(sensor), start=1)
         )
 
 

@@ -44,8 +44,8 @@ def run_campaign(
 ) -> Outcome:
     """Run a campaign into ``folder``, or go on with it there. ``workers``: processes, by default one a core.
 
-    The results have the same bytes however often it was interrupted, however many workers there are and whatever machine
-    of one kind they run on. Raises DiagnosisError as reading, checking and :class:`Store` do.
+    The results have the same bytes however often it was interrupted, however many workers there are and whatever
+    machine of one kind they run on. Raises DiagnosisError as reading, checking and :class:`Store` do.
     """
     tell = progress or (lambda stage, done, total: None)
     processes = cores() if workers is None else workers

@@ -4,8 +4,8 @@
     parts/00012.parquet
     results.parquet    all runs, in their order, once all parts are there
 
-Every file is written whole or not at all, so a campaign that is killed at any point goes on where it was; parts hold the
-same bytes whoever wrote them when, so the table has the same bytes, too.
+Every file is written whole or not at all, so a campaign that is killed at any point goes on where it was; parts hold
+the same bytes whoever wrote them when, so the table has the same bytes, too.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The tables of a campaign: Tables III and IV of paper 004 beside the paper's own, then by category and by kind of fault."""
+"""The tables of a campaign: Tables III and IV beside those of paper 004, then by category and by kind of fault."""
 
 from __future__ import annotations
 
@@ -52,7 +52,9 @@ def _table_iii(metrics: SheetMetrics) -> Table:
     lost = metrics.faulty.vc.error_lost
     note = "Absolute errors. VCAS without categories III and IV, as in the paper."
     if not math.isnan(lost[0]):
-        note += f" In configurations III and IV it errs by up to {number(lost[0])} kt, {number(lost[1])} kt in the mean."
+        note += (
+            f" In configurations III and IV it errs by up to {number(lost[0])} kt, {number(lost[1])} kt in the mean."
+        )
     return Table("Table III: estimation performance", heads, tuple(rows), note)
 
 
@@ -112,7 +114,16 @@ def _beyond(metrics: SheetMetrics) -> Table:
     return Table("Winds beyond the assumed bounds, counted apart", heads, tuple(rows))
 
 
-_DETAILS = ("missed", "must be found", "missed of these", "wrong", "max delay [s]", "mean [s]", "max error", "mean error")
+_DETAILS = (
+    "missed",
+    "must be found",
+    "missed of these",
+    "wrong",
+    "max delay [s]",
+    "mean [s]",
+    "max error",
+    "mean error",
+)
 
 
 def _by_category(metrics: SheetMetrics) -> Table:
@@ -134,7 +145,9 @@ def _by_kind(metrics: SheetMetrics) -> Table:
         kind, sensor = group.name.split()
         if group.runs:
             rows.append((kind.replace("_", " "), NAMES[sensor], str(group.runs), *_details(group, sensor)))
-    return Table("By kind of fault", heads, tuple(rows), "Wrong: runs in which a healthy sensor of the same kind was confirmed.")
+    return Table(
+        "By kind of fault", heads, tuple(rows), "Wrong: runs in which a healthy sensor of the same kind was confirmed."
+    )
 
 
 def _details(group: Group, sensor: str) -> tuple[str, ...]:

@@ -52,7 +52,9 @@ def interval(document: Document, node: Node, what: str, low: float, high: float,
     return Range(ends[0], ends[1])
 
 
-def words(document: Document, node: Node, what: str, known: Collection[str], code: str = "E801") -> tuple[str, ...] | None:
+def words(
+    document: Document, node: Node, what: str, known: Collection[str], code: str = "E801"
+) -> tuple[str, ...] | None:
     """A list of names, each one of ``known`` and only once; a single name is a list of one. None after a diagnosis."""
     found: list[str] = []
     fine = True
@@ -65,7 +67,9 @@ def words(document: Document, node: Node, what: str, known: Collection[str], cod
             unknown(document, item, what, known, code)
         elif item.value in found:
             fine = False
-            document.report("E105", f"`{item.value}` is named twice", item, f"{what} holds each name once", "remove one")
+            document.report(
+                "E105", f"`{item.value}` is named twice", item, f"{what} holds each name once", "remove one"
+            )
         else:
             found.append(item.value)
     if fine and not found:
@@ -106,8 +110,6 @@ def _number(document: Document, node: Node, what: str) -> float | None:
     return None
 
 
-def _out_of_range(
-    document: Document, node: Node, what: str, value: float, low: float, high: float, unit: str
-) -> None:
+def _out_of_range(document: Document, node: Node, what: str, value: float, low: float, high: float, unit: str) -> None:
     text = f"{low:.10g} to {high:.10g} {unit}".rstrip()
     document.report("E801", f"{what} cannot be {value:.10g}", node, f"it is {text}", f"write a number from {text}")

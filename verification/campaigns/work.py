@@ -1,4 +1,4 @@
-"""Flying a chunk of runs: side by side in compiled C where there is a compiler, else in the interpreter; rows come out."""
+"""Flying a chunk of runs, side by side in compiled C, or in the interpreter without a compiler; rows come out."""
 
 from __future__ import annotations
 

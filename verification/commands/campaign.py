@@ -22,13 +22,16 @@ INTERRUPTED = 130
 def campaign(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="FILE", help="A campaign's YAML file, or the name of a shipped one.", show_default=False),
+        typer.Argument(
+            metavar="FILE", help="A campaign's YAML file, or the name of a shipped one.", show_default=False
+        ),
     ] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the results.", show_default=False)
     ] = None,
     workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", help="Processes; one a core if left out.", show_default=False)
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes; one a core if left out.", show_default=False),
     ] = None,
     dask: Annotated[
         str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler to run on.", show_default=False)
@@ -39,8 +42,9 @@ def campaign(
 ) -> None:
     """Fly many flights with and without faults through sheets, and tell false alarms, misses, delays and errors.
 
-    Results come into DIR as Parquet; a campaign that was stopped or killed goes on when it is called again, and ends with
-    the same bytes. Writes results.parquet (a row a run), report.html, .png, .md and .json. Exit code 1 if a run failed.
+    Results come into DIR as Parquet; a campaign that was stopped or killed goes on when it is called again, and ends
+    with the same bytes. Writes results.parquet (a row a run), report.html, .png, .md and .json. Exit code 1 if a run
+    failed.
 
     Example: saoflow campaign table_iv -o out/table_iv
 
@@ -55,7 +59,9 @@ def campaign(
         findings.add(_no_folder())
     if workers is not None and workers < 1:
         findings.add(
-            Diagnosis("E603", f"`--workers` cannot be {workers}", cause="work needs a process", remedy="write --workers 2")
+            Diagnosis(
+                "E603", f"`--workers` cannot be {workers}", cause="work needs a process", remedy="write --workers 2"
+            )
         )
     if findings.errors or plan is None or output is None:
         finish(findings.found, json)
@@ -71,7 +77,9 @@ def _plan(name: str | None, settings: list[str] | None, findings: Findings) -> C
     if name is None:
         shipped = ", ".join(shipped_campaigns())
         findings.add(
-            Diagnosis("E609", "no campaign is named", cause="FILE is missing", remedy=f"name a file, or one of {shipped}")
+            Diagnosis(
+                "E609", "no campaign is named", cause="FILE is missing", remedy=f"name a file, or one of {shipped}"
+            )
         )
         return None
     plan = findings.attempt(lambda: load_campaign(name))
@@ -82,9 +90,7 @@ def _plan(name: str | None, settings: list[str] | None, findings: Findings) -> C
     return replace(plan, sheets=tuple(dict.fromkeys(sheets)))
 
 
-def _run(
-    plan: Campaign, output: str, workers: int | None, dask: str | None, findings: Findings, json: bool
-) -> None:
+def _run(plan: Campaign, output: str, workers: int | None, dask: str | None, findings: Findings, json: bool) -> None:
     from verification.campaigns.report import json_of, write_report
     from verification.campaigns.run import run_campaign
 
@@ -98,7 +104,9 @@ def _run(
         finish(findings.found, json)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
-        typer.echo(f"stopped; what has been flown is kept in {output}, and the same command goes on from there", err=True)
+        typer.echo(
+            f"stopped; what has been flown is kept in {output}, and the same command goes on from there", err=True
+        )
         raise typer.Exit(INTERRUPTED) from None
     findings.extend(outcome.warnings)
     if json:

@@ -35,21 +35,24 @@ def compare(
     ] = None,
     output: Annotated[
         str | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Page (.html), picture (.png) or table (.md).", show_default=False),
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="Page (.html), picture (.png) or table (.md).", show_default=False
+        ),
     ] = None,
     runs: Annotated[
         str | None,
         typer.Option("--runs", metavar="DIR", help="Keep the runs here, and go on from them.", show_default=False),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", help="Processes; one a core if left out.", show_default=False)
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes; one a core if left out.", show_default=False),
     ] = None,
     json: Json = False,
 ) -> None:
     """Fly sheets and variants of them on the same flights; accuracy and detection against operations and time a frame.
 
-    A variant names values of parameters: [n_QP=1..4] is four of them, [n_QP=1|3, N=2..4] every one with every other. One
-    over its budget is compared, too, and marked.
+    A variant names values of parameters: [n_QP=1..4] is four of them, [n_QP=1|3, N=2..4] every one with every other.
+    One over its budget is compared, too, and marked.
 
     Example: saoflow compare cmhe_fte cmhe_fte_lean umhe_fte -o out/compare.html
 
@@ -60,10 +63,19 @@ def compare(
     plan = _plan(campaign, findings)
     path = _path(output, findings)
     if budget is not None and not 0.0 < budget < float("inf"):
-        findings.add(Diagnosis("E603", f"`--budget` cannot be {budget:g}", cause="it is operations a frame", remedy="write --budget 19500"))
+        findings.add(
+            Diagnosis(
+                "E603",
+                f"`--budget` cannot be {budget:g}",
+                cause="it is operations a frame",
+                remedy="write --budget 19500",
+            )
+        )
     if workers is not None and workers < 1:
         findings.add(
-            Diagnosis("E603", f"`--workers` cannot be {workers}", cause="work needs a process", remedy="write --workers 2")
+            Diagnosis(
+                "E603", f"`--workers` cannot be {workers}", cause="work needs a process", remedy="write --workers 2"
+            )
         )
     if findings.errors or variants is None or plan is None:
         finish(findings.found, json)

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 @contextmanager
 def stages() -> Iterator[Callable[[str, int, int], None]]:
-    """A function to be called with a stage, how much of it is done and how much there is: a bar for each, on a terminal's
-    standard error.
+    """A function to be called with a stage, how much of it is done and how much there is: a bar for each, on a
+    terminal's standard error.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn

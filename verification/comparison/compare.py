@@ -63,7 +63,8 @@ class Comparison:
     def to_dict(self) -> dict[str, object]:
         """For JSON."""
         entries = [
-            {**{k: None if v != v else v for k, v in asdict(entry).items()}, "fits": entry.fits} for entry in self.entries
+            {**{k: None if v != v else v for k, v in asdict(entry).items()}, "fits": entry.fits}
+            for entry in self.entries
         ]
         return {
             "campaign": self.campaign,
@@ -102,9 +103,7 @@ def compare(
         limit = cost.own_budget if budget is None else budget
         entries.append(_entry(variant.label, cost.operations, cost.microseconds, limit, found))
     first = metrics[0]
-    return Comparison(
-        campaign.name, first.fault_free.runs, first.faulty.runs, budget, tuple(entries), outcome.warnings
-    )
+    return Comparison(campaign.name, first.fault_free.runs, first.faulty.runs, budget, tuple(entries), outcome.warnings)
 
 
 def _entry(label: str, operations: int, microseconds: float, limit: float | None, metrics: SheetMetrics) -> Entry:
@@ -138,14 +137,13 @@ def _delay(faulty: Group) -> float:
 def pareto(entries: Sequence[Entry], cost: str, value: str, larger_is_better: bool = False) -> tuple[Entry, ...]:
     """The entries that no other beats in both: at most the cost and at least as good, one of them strictly.
 
-    Values count to three significant digits: the fourth depends on the flights. ``cost``, ``value``: names of fields. Entries without a value (NaN) are left out. In order of cost.
+    Values count to three significant digits: the fourth depends on the flights. ``cost``, ``value``: names of fields.
+    Entries without a value (NaN) are left out. In order of cost.
     """
     sign = -1.0 if larger_is_better else 1.0
     values = [float(f"{getattr(entry, value):.3g}") for entry in entries]
     points = [(getattr(e, cost), sign * v, e) for e, v in zip(entries, values, strict=True) if v == v]
     best = [
-        (c, v, e)
-        for c, v, e in points
-        if not any(c2 <= c and v2 <= v and (c2 < c or v2 < v) for c2, v2, _ in points)
+        (c, v, e) for c, v, e in points if not any(c2 <= c and v2 <= v and (c2 < c or v2 < v) for c2, v2, _ in points)
     ]
     return tuple(e for _, _, e in sorted(best, key=lambda point: point[:2]))

@@ -24,7 +24,9 @@ def check_output(output: str) -> Path:
     if path.suffix not in KINDS:
         near = did_you_mean(path.suffix, KINDS)
         remedy = near or "end its name in .html (a page), .png (the picture alone) or .md (the table alone)"
-        raise refusal("E601", f"{output} cannot be written", cause=f"its name ends in none of {', '.join(KINDS)}", remedy=remedy)
+        raise refusal(
+            "E601", f"{output} cannot be written", cause=f"its name ends in none of {', '.join(KINDS)}", remedy=remedy
+        )
     folder = path.resolve().parent
     cause = "it is a folder" if path.is_dir() else ""
     if not folder.is_dir():
@@ -55,4 +57,6 @@ def write(comparison: Comparison, path: Path) -> None:
         )
         write_whole(path, page("Sheets compared", lead, [shown], [table]).encode())
     except OSError as error:
-        raise refusal("E601", f"{path} cannot be written", cause=str(error.strerror or error), remedy="name another file") from None
+        raise refusal(
+            "E601", f"{path} cannot be written", cause=str(error.strerror or error), remedy="name another file"
+        ) from None

@@ -30,7 +30,9 @@ def table_of(comparison: Comparison) -> Table:
         quality.field: pareto(comparison.entries, "operations", quality.field, quality.more_is_better)
         for quality in QUALITIES
     }
-    rows = tuple(_row(entry, [field for field, found in best.items() if entry in found]) for entry in comparison.entries)
+    rows = tuple(
+        _row(entry, [field for field, found in best.items() if entry in found]) for entry in comparison.entries
+    )
     note = (
         f"Campaign {comparison.campaign}: {comparison.fault_free} fault-free and {comparison.faulty} faulty runs a sheet. "
         "AOA, VCAS: mean absolute errors, fault-free and faulty, after the start-up (VCAS without categories III and IV). "

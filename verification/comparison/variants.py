@@ -1,9 +1,9 @@
 """Variants of a sheet as text, for the command line.
 
-    cmhe_fte                        the sheet as it is
-    cmhe_fte[n_QP=1..4]             four of them
-    cmhe_fte[n_QP=1..3, N=2|4]      six: every one of the first with every one of the second
-    mine/lag.yaml[k=0.1|pi/8]       values are numbers or expressions
+cmhe_fte                        the sheet as it is
+cmhe_fte[n_QP=1..4]             four of them
+cmhe_fte[n_QP=1..3, N=2|4]      six: every one of the first with every one of the second
+mine/lag.yaml[k=0.1|pi/8]       values are numbers or expressions
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ Ranges (:func:`random_plan`):
   changes of height of 200 to 1500 ft at 800 to 1800 ft/min, changes of speed of 5 to 20 kt at 0.4 to 1 kt/s, never
   more than 1500 ft and 20 kt from the start;
 - wind "inside": a steady wind of up to 45 kt along and 20 kt across, ramps to other values in that range and vertical
-  winds of up to 24 kt, at 0.5 to 12 kt/s (changes of more than a sixth of the airspeed at most at 4 kt/s), in a fifth of
-  the flights a shear of up to 6 kt in 1000 ft;
+  winds of up to 24 kt, at 0.5 to 12 kt/s (changes of more than a sixth of the airspeed at most at 4 kt/s), in a fifth
+  of the flights a shear of up to 6 kt in 1000 ft;
 - wind "beyond", a third each: horizontal wind ramping to 70 to 110 kt; vertical winds of 15 to 26 kt that come at 20
   to 40 kt/s; MIL-F-8785C turbulence of severity 3.
 

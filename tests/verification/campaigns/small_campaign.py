@@ -1,4 +1,4 @@
-"""A campaign small enough for tests, with several chunks: recordings cut to a few seconds, faults right after start-up."""
+"""A campaign small enough for tests, with several chunks: parts of a few seconds, faults right after start-up."""
 
 from __future__ import annotations
 

@@ -80,7 +80,9 @@ def test_all_runs_lie_in_one_chunk_each():
         assert [chunk.number for chunk in cases.chunks] == list(range(len(cases.chunks)))
         for chunk in cases.chunks:
             runs = {cases.case(i).runs.name for i in (chunk.first, chunk.stop - 1)}
-            longest = max(cases.frames_about(cases.case(i).runs, cases.case(i).index) for i in (chunk.first, chunk.stop - 1))
+            longest = max(
+                cases.frames_about(cases.case(i).runs, cases.case(i).index) for i in (chunk.first, chunk.stop - 1)
+            )
             assert len(runs) == 1 and len(chunk) <= MOST_RUNS
             assert len(chunk) * longest <= MOST_FRAMES or len(chunk) <= 8
 

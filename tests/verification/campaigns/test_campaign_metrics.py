@@ -37,7 +37,9 @@ FAULTY = [
     # V_c found with the last sensor, after 60 frames; one of two noisy AOA sensors missed
     replace(TWO, vc_confirmed_1=240, vc_confirmed_2=260, vc_confirmed_3=250, alpha_confirmed_1=310),
     # V_c: one of three missed; AOA found after 20 frames
-    replace(TWO, vc_confirmed_1=240, vc_confirmed_2=260, alpha_confirmed_1=310, alpha_confirmed_3=320, alpha_error_max=9.0),
+    replace(
+        TWO, vc_confirmed_1=240, vc_confirmed_2=260, alpha_confirmed_1=310, alpha_confirmed_3=320, alpha_error_max=9.0
+    ),
     replace(ONE, failure="it would not fly"),
 ]
 

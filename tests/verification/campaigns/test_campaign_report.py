@@ -27,7 +27,11 @@ def test_tables_hold_the_numbers_of_the_metrics() -> None:
     assert tables["Table III"].rows[2] == ("faulty (6)", "9.00", "4.00", "0.100", "0.400")
     assert tables["Table IV"].rows[0] == ("AOA", "0", "50.00", "33.33", "1.50", "1.00")
     assert tables["Table IV"].rows[2] == ("VCAS", "33.33", "16.67", "0", "3.00", "3.00")
-    assert tables["What must be found, and what was"].rows[1] == ("faults that must be found, missed", "2 of 4", "1 of 2")
+    assert tables["What must be found, and what was"].rows[1] == (
+        "faults that must be found, missed",
+        "2 of 4",
+        "1 of 2",
+    )
     assert tables["Winds beyond the assumed bounds, counted apart"].rows == (
         ("fault-free, wind beyond the bounds (1)", "1 of 1", "1 of 1", "-", "-"),
     )

@@ -80,7 +80,10 @@ def test_ctrl_c_stops_and_keeps(campaign: tuple[Path, Campaign, bytes], tmp_path
     file, plan, expected = campaign
     folder = tmp_path / "out"
     process = subprocess.Popen(
-        [*COMMAND, str(file), "-o", str(folder), "--workers", "2"], stderr=subprocess.PIPE, start_new_session=True, text=True
+        [*COMMAND, str(file), "-o", str(folder), "--workers", "2"],
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        text=True,
     )
     while process.poll() is None and not list(folder.glob("parts/*.parquet")):
         time.sleep(0.002)
@@ -136,7 +139,9 @@ runs:
 """
     )
     done = subprocess.run(
-        [*COMMAND, str(tmp_path / "mixed.yaml"), "-o", str(tmp_path / "out"), "--workers", "1"], capture_output=True, text=True
+        [*COMMAND, str(tmp_path / "mixed.yaml"), "-o", str(tmp_path / "out"), "--workers", "1"],
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 1, done.stderr
     assert "E502: " in done.stdout and "E505: " in done.stdout

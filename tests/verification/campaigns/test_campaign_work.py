@@ -59,7 +59,9 @@ def test_a_chunk_without_memory_is_flown_one_by_one(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(work, "simulator_of", lambda *_: Narrow(real, refused))
     rows = work.fly_chunk(SMALL, chunk)
     assert [row.failure for row in rows] == ["", "", "out of memory", ""]
-    assert [repr(row) for i, row in enumerate(rows) if i != 2] == [repr(row) for i, row in enumerate(expected) if i != 2]
+    assert [repr(row) for i, row in enumerate(rows) if i != 2] == [
+        repr(row) for i, row in enumerate(expected) if i != 2
+    ]
 
 
 def test_a_fault_after_the_end_is_told() -> None:
