@@ -42,7 +42,8 @@ def test_every_diagnosis_says_where_why_and_what_to_do(monkeypatch: pytest.Monke
 
 
 def test_the_shipped_campaigns_can_be_read() -> None:
-    assert {load_campaign(name).name for name in shipped_campaigns()} == {"table_iv", "monte_carlo", "comparison"}
+    names = [load_campaign(name).name for name in shipped_campaigns()]
+    assert names == list(shipped_campaigns()) and {"table_iv", "monte_carlo", "comparison"} <= set(names)
 
 
 def test_a_campaign_that_is_not_there() -> None:
