@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
 
-BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "view", "build", "show", "symbols", "fmu", "explain", "fmt", "diff", "lsp")}
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "view", "build", "show", "symbols", "fmu", "explain", "fmt", "diff", "new", "lsp")}
 GROUP = "saoflow.commands"
-ORDER = ("demo", "check", "run", "budget", "view", "verify", "build", "fmu", "fly", "campaign", "compare", "explain", "fmt", "diff", "show", "symbols")
+ORDER = ("demo", "new", "check", "run", "budget", "view", "verify", "build", "fmu", "fly", "campaign", "compare", "explain", "fmt", "diff", "schema", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
 
 Command = Callable[..., Any]

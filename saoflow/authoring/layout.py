@@ -110,14 +110,16 @@ class Layout:
             self._mapping(value, indent + 2, path)
         elif type(value) is Sequence:
             self._add(start, before.line)
+            depth = len(self.levels)
+            self.levels.append((value.column, indent + 2))
             for item in value.items:
-                self._item(item, value.column, indent + 2, path)
+                self._item(item, depth, indent + 2, path)
 
-    def _item(self, item: Node, column: int, indent: int, path: tuple[str, ...]) -> None:
+    def _item(self, item: Node, depth: int, indent: int, path: tuple[str, ...]) -> None:
         """An item of a list in block style. A mapping begins beside its dash."""
         self._pending(item.line)
+        del self.levels[depth + 1 :]
         if type(item) is Mapping and not self._is_flow(item):
-            self.levels.append((column, indent))
             first = len(self.lines)
             self._mapping(item, indent + 2, path)
             own = next(line for line in self.lines[first:] if line.text)
