@@ -32,6 +32,9 @@ SIGMA_X = np.array([0.01, 0.05])
 SIGMA_GRADIENT = 1e3
 """Scale of the gradient of J/2: what the cost makes of a hundredth of a state."""
 
+SIGMA_TRIAL = 1e3
+"""Scale of a trial's cost without noises: within a frame it goes from thousands to a few, and trials are compared."""
+
 SIGMA_GRADIENT_FIRST = 1e5
 """The same without noises, where the Hessian reaches 1e9."""
 
@@ -117,7 +120,7 @@ def _damped_pass(j: int) -> Iterator[Quantity]:
         compared = Compared(name, f"{path}.{wire}", sigma, TOLERANCE_FIRST, part=part, repeat=repeat)
         return Quantity(compared, lambda f: of(_damped(f.passes[j])))
 
-    yield one("cost", "cost.J", 1.0, lambda p: p.at.J)
+    yield one("cost", "cost.J", SIGMA_TRIAL, lambda p: p.at.J)
     yield one("better", "better", 1.0, lambda p: float(p.better))
     yield one("gradient of the best", "gradient", SIGMA_GRADIENT_FIRST, lambda p: p.best.gradient)
     yield one("free components", "free", 1.0, lambda p: np.where(p.hold, 0.0, 1.0))
