@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from saoflow.blocks.library import SYMBOLS
+from saoflow.scheduler.counting_run import CountingRun
+from saoflow.symbol_catalogue import EXAMPLE, cost_text
 from tests.sheet_text import run, same_bits, sheet_of
 
 ODD = [0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 1e-310, 1e308, -1e308, math.inf, -math.inf, math.nan]
@@ -266,3 +269,23 @@ def test_wiring_is_free_and_exact(tmp_path: Path) -> None:
     assert np.array_equal(out["s"][0], m[0][:, 1:])
     assert out["e"][0] == m[0, 1, -1]
     assert np.array_equal(out["t"][0], m[0].T)
+
+
+@pytest.mark.parametrize("block", [text for symbol in SYMBOLS.values() for text in symbol.examples])
+def test_examples_of_the_documentation_run_and_cost_what_it_says(block: str, tmp_path: Path) -> None:
+    sheet = sheet_of(tmp_path, EXAMPLE.format(block=block))
+    rng = np.random.default_rng(4)
+    inputs = {
+        name: rng.random((1, *wire.shape)) < 0.5 if wire.boolean else rng.normal(size=(1, *wire.shape))
+        for name, wire in sheet.input_types.items()
+    }
+    counted = CountingRun(sheet.frame_program)
+    frame = counted.frame([value.item() for array in inputs.values() for value in np.ravel(array)])
+    result = sheet.simulator().run(inputs)["result"]
+    assert same_bits(np.array(frame, dtype=float), np.ravel(result).astype(float))
+    assert np.all(np.isfinite(result))
+    said = cost_text(sheet.budget())
+    assert [f"{n} {kind}" for kind, n in sorted(counted.kinds.items())] == sorted(
+        (" ".join(part.split()[:2]) for part in said.partition(" (")[0].split(", ") if "state" not in part and part != "free"),
+        key=lambda part: part.split()[1],
+    )
