@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
 
-BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "view", "build", "show", "symbols", "fmu", "explain", "fmt", "diff", "new", "lsp")}
+BUILT_IN = {name: f"saoflow.commands.{name}:{name}" for name in ("check", "run", "budget", "view", "build", "show", "symbols", "fmu", "explain", "fmt", "diff", "new", "schema", "lsp")}
 GROUP = "saoflow.commands"
 ORDER = ("demo", "new", "check", "run", "budget", "view", "verify", "build", "fmu", "fly", "campaign", "compare", "explain", "fmt", "diff", "schema", "show", "symbols")
 """The order in which help lists commands; further ones follow."""
