@@ -194,3 +194,11 @@ def test_the_command_prints_writes_and_refuses(tmp_path: Path, capsys: pytest.Ca
     assert "did you mean `sheet`?" in capsys.readouterr().err
     assert cli.run(["schema", "-o", str(tmp_path / "nowhere" / "s.json")]) == 2
     assert "error[E601]" in capsys.readouterr().err
+
+
+def test_shipped_files_name_their_schema_in_the_first_line() -> None:
+    for path in [*SHIPPED.glob("*/*.yaml"), *(CAMPAIGNS / "shipped").glob("*.yaml")]:
+        first = path.read_text(encoding="utf-8").split("\n")[0]
+        found = re.fullmatch(r"# yaml-language-server: \$schema=(\S+)", first)
+        assert found is not None, f"{path} lacks the modeline: # yaml-language-server: $schema=../sheet.schema.json"
+        assert (path.parent / found[1]).resolve() in (SHEET_FILE, CAMPAIGN_FILE), path
