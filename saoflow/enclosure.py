@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from saoflow.formula import Formula
@@ -45,10 +46,18 @@ class Jet2:
     second_yy: Interval
 
 
+@lru_cache(maxsize=1)
+def flint() -> Any:
+    """python-flint, imported when a table is first proved; an import inside the loops costs more than what they do."""
+    import flint as library
+
+    return library
+
+
 @contextmanager
 def ball_arithmetic(terms: int = 4) -> Iterator[None]:
     """Set python-flint's working precision and number of Taylor terms, and restore them afterwards."""
-    from flint import ctx
+    ctx = flint().ctx
 
     precision, cap = ctx.prec, ctx.cap
     ctx.prec, ctx.cap = PRECISION, terms
@@ -84,7 +93,7 @@ def enclose_mixed(formula: Formula, x: Interval, y: Interval) -> Interval:
 
 def value_ball(formula: Formula, x: float, y: float = 0.0) -> Any:
     """The value at a point as a ball of python-flint; not finite where the formula is singular."""
-    from flint import arb, arb_series
+    arb, arb_series = flint().arb, flint().arb_series
 
     try:
         return _series(formula, arb_series([arb(x)]), arb_series([arb(y)]))[0]
@@ -94,7 +103,7 @@ def value_ball(formula: Formula, x: float, y: float = 0.0) -> Any:
 
 def _along(formula: Formula, x: Interval, y: Interval | None, dx: int, dy: int) -> tuple[Interval, ...]:
     """Enclosures along the direction (dx, dy): of f and its first three derivatives, and of f'' at the middle."""
-    from flint import arb, arb_series
+    arb, arb_series = flint().arb, flint().arb_series
 
     box_x, box_y = arb(x[0]).union(arb(x[1])), arb(0) if y is None else arb(y[0]).union(arb(y[1]))
     # The mean-value form goes along one axis: the other variable stays a ball in both.
@@ -133,7 +142,7 @@ def _outward(low: float, high: float) -> Interval:
 
 def _series(formula: Formula, x: Any, y: Any) -> Any:
     """The formula's Taylor series, given those of its variables. Raises ValueError at a division by zero."""
-    from flint import arb
+    arb = flint().arb
 
     operator, operands = formula.operator, formula.operands
     if operator == "x":
@@ -160,7 +169,7 @@ def _series(formula: Formula, x: Any, y: Any) -> Any:
 
 
 def _series_power(a: Any, exponent: float) -> Any:
-    from flint import arb
+    arb = flint().arb
 
     if exponent.is_integer() and abs(exponent) <= 64:
         whole = a ** abs(int(exponent))

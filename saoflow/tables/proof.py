@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from saoflow.enclosure import Interval, Jet, ball_arithmetic, enclose, enclose_2d, value_ball
+from saoflow.enclosure import Interval, Jet, ball_arithmetic, enclose, enclose_2d, flint, value_ball
 from saoflow.formula import Formula, evaluate
 from saoflow.operations import Table
 from saoflow.tables.evaluation import evaluate_table
@@ -63,7 +63,7 @@ def mignitude(interval: Interval) -> float:
 
 def nearest_value(formula: Formula, x: float, y: float = 0.0) -> tuple[float, float]:
     """The formula's value at a point in binary64 and a bound of its rounding error; (NaN, inf) if not finite."""
-    from flint import arb
+    arb = flint().arb
 
     ball = value_ball(formula, x, y)
     value = float(ball.mid()) if ball.is_finite() else math.nan
@@ -243,7 +243,7 @@ def error_budget(table: Table) -> TableError:
 
 
 def _prove_1d(table: Table, formula: Formula) -> tuple[float, tuple[Interval, ...]]:
-    from flint import arb
+    arb = flint().arb
 
     x, y = table.breakpoints[0].tolist(), table.values.tolist()
     floor = relative_floor(table)
@@ -258,7 +258,7 @@ def _prove_1d(table: Table, formula: Formula) -> tuple[float, tuple[Interval, ..
 
 
 def _prove_2d(table: Table, formula: Formula) -> tuple[float, tuple[Interval, ...]]:
-    from flint import arb
+    arb = flint().arb
 
     x, y = (axis.tolist() for axis in table.breakpoints)
     z = table.values
