@@ -126,7 +126,7 @@ def kept_objects(sheet: ProgramSource, real: int, probes: Collection[str], compi
 def _kept(sheet: ProgramSource, real: int, probes: Collection[str]) -> tuple[FrameProgram | None, Folder, str]:
     """The program if it is kept, where that is, and what finds it there. A program over its budget is not kept."""
     folder = cache_folder()
-    key = "" if folder.problem else _key(sheet, real, probes)
+    key = "" if folder.problem else content_key(sheet, real, probes)
     found = folder.read(f"{key}.program") if key else None
     if found is None:
         return None, folder, key
@@ -143,7 +143,7 @@ def _keep(folder: Folder, name: str, content: bytes) -> None:
         warn_once("compiled code is not kept", f"{folder.path}: {error.strerror}", "make room there")
 
 
-def _key(sheet: ProgramSource, real: int, probes: Collection[str]) -> str:
+def content_key(sheet: ProgramSource, real: int = 64, probes: Collection[str] = ()) -> str:
     """All that a program depends on; empty where that is too much to read every time."""
     files = _readable_sheets(Path(sheet.sheet.file).parent)
     if files is None:

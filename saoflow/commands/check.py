@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -27,9 +28,16 @@ def check(
     facts, everything = [], []
     for name in sheets:
         findings = Findings()
-        sheet = load_sheet(name, settings, findings)
+        sheet = load_sheet(name, settings, findings, check=False)
+        known = None if sheet is None else _known(sheet)
+        if known is None:
+            if sheet is not None and findings.attempt(lambda sheet=sheet: (sheet.check(), sheet)[1]) is None:  # type: ignore[misc]
+                sheet = None
+            known = _facts(name, sheet, findings)
+            if sheet is not None and not findings.found:
+                _keep(sheet, known)
         everything += findings.found
-        facts.append(_facts(name, sheet, findings))
+        facts.append(known)
         if not json:
             tell(findings.found)
             print(_summary(facts[-1]))
@@ -37,6 +45,37 @@ def check(
         finish(everything, json, {"sheets": facts})
     elif exit_code(everything):
         raise typer.Exit(exit_code(everything))
+
+
+def _known(sheet: LoadedSheet) -> dict[str, Any] | None:
+    """What was found before in the same sheets by the same code, if that was nothing wrong."""
+    from saoflow.cache import cache_folder
+    from saoflow.codegen.objects import content_key
+
+    folder = cache_folder()
+    key = "" if folder.problem else content_key(sheet)
+    content = folder.read(f"{key}.check") if key else None
+    if content is None:
+        return None
+    blocks, sheets = (int(number) for number in content.split())
+    return _fine(sheet, blocks, sheets)
+
+
+def _keep(sheet: LoadedSheet, facts: dict[str, Any]) -> None:
+    """Keep that nothing is wrong; where that cannot be, the sheet is checked anew next time."""
+    from saoflow.cache import cache_folder
+    from saoflow.codegen.objects import content_key
+
+    folder = cache_folder()
+    key = "" if folder.problem else content_key(sheet)
+    if key:
+        with suppress(OSError):
+            folder.write(f"{key}.check", f"{facts['blocks']} {facts['sub_sheets']}".encode())
+
+
+def _fine(sheet: LoadedSheet, blocks: int, sheets: int) -> dict[str, Any]:
+    found = {"sheet": sheet.name, "errors": 0, "warnings": 0}
+    return {**found, "file": sheet.sheet.file, "blocks": blocks, "sub_sheets": sheets}
 
 
 def _facts(name: str, sheet: LoadedSheet | None, findings: Findings) -> dict[str, Any]:
