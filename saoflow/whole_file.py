@@ -6,6 +6,8 @@ import contextlib
 import os
 from pathlib import Path
 
+from saoflow.diagnosis import refusal
+
 
 def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     """Write beside the file, then give it its name; nothing is left behind if that fails. Raises OSError."""
@@ -17,3 +19,17 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
+
+
+def write_text(path: str | os.PathLike[str], text: str, what: str) -> None:
+    """Write a text whole; ``what`` names it in the diagnosis. Raises DiagnosisError E601 if it cannot be written."""
+    target = Path(path)
+    try:
+        write_whole(target, text.encode("utf-8"))
+    except OSError as error:
+        raise refusal(
+            "E601",
+            f"{target}: {what} cannot be written",
+            cause=error.strerror or str(error),
+            remedy="name a file in a folder that exists and that you may write to",
+        ) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -31,8 +32,7 @@ def check(
         sheet = load_sheet(name, settings, findings, check=False)
         known = None if sheet is None else _known(sheet)
         if known is None:
-            if sheet is not None and findings.attempt(lambda sheet=sheet: (sheet.check(), sheet)[1]) is None:  # type: ignore[misc]
-                sheet = None
+            sheet = None if sheet is None else findings.attempt(partial(_checked, sheet))
             known = _facts(name, sheet, findings)
             if sheet is not None and not findings.found:
                 _keep(sheet, known)
@@ -45,6 +45,12 @@ def check(
         finish(everything, json, {"sheets": facts})
     elif exit_code(everything):
         raise typer.Exit(exit_code(everything))
+
+
+def _checked(sheet: LoadedSheet) -> LoadedSheet:
+    """The sheet, elaborated and ordered. Raises DiagnosisError."""
+    sheet.check()
+    return sheet
 
 
 def _known(sheet: LoadedSheet) -> dict[str, Any] | None:

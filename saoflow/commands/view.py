@@ -68,7 +68,8 @@ def view(
 
 
 def _write(sheet: LoadedSheet, target: str, run: RunShown | None, inside: str, svg: bool) -> None:
-    from saoflow.drawing.page import write_text, write_view
+    from saoflow.drawing.page import write_view
+    from saoflow.whole_file import write_text
 
     if svg:
         from saoflow.drawing.svg import render_svg

@@ -15,14 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from saoflow.blocks.library import SYMBOLS
-from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.drawing.described import described
 from saoflow.drawing.draw import draw
 from saoflow.drawing.javascript import print_javascript
 from saoflow.drawing.style import css_colours
 from saoflow.scheduler.counts import CountTree
 from saoflow.scheduler.lowering import lower
-from saoflow.whole_file import write_whole
+from saoflow.whole_file import write_text
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
@@ -68,24 +67,6 @@ def render_view(sheet: LoadedSheet, run: RunShown | None = None) -> str:
 def write_view(path: str | os.PathLike[str], sheet: LoadedSheet, run: RunShown | None = None) -> None:
     """Write the page, all of it or nothing. Raises DiagnosisError E601 if the file cannot be written."""
     write_text(path, render_view(sheet, run), "the page")
-
-
-def write_text(path: str | os.PathLike[str], text: str, what: str) -> None:
-    """Write a text whole. Raises DiagnosisError E601."""
-    target = Path(path)
-    try:
-        write_whole(target, text.encode("utf-8"))
-    except OSError as error:
-        raise DiagnosisError(
-            [
-                Diagnosis(
-                    "E601",
-                    f"{target}: {what} cannot be written",
-                    cause=error.strerror or str(error),
-                    remedy="name a file in a folder that exists and that you may write to",
-                )
-            ]
-        ) from None
 
 
 def view_data(sheet: LoadedSheet, run: RunShown | None) -> tuple[dict[str, Any], str]:

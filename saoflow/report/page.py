@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from saoflow.diagnosis import Diagnosis, DiagnosisError
 from saoflow.operations import COUNTED_KINDS
 from saoflow.report.contents import Array, Arrays, Fact, Limits, Report, RunShown, TextTable
 from saoflow.report.estimator import Shown, estimator_plots
@@ -17,7 +16,7 @@ from saoflow.report.icicle import draw_icicle
 from saoflow.report.others import difference_plots, output_plots
 from saoflow.report.panels import draw
 from saoflow.report.style import css_colours, style, svg
-from saoflow.whole_file import write_whole
+from saoflow.whole_file import write_text
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
@@ -93,21 +92,7 @@ def render_report(report: Report, progress: Callable[[float], None] | None = Non
 
 def write_report(path: str | os.PathLike[str], report: Report, progress: Callable[[float], None] | None = None) -> None:
     """Write the page, all of it or nothing. Raises DiagnosisError E601 if the file cannot be written."""
-    text = render_report(report, progress)
-    target = Path(path)
-    try:
-        write_whole(target, text.encode("utf-8"))
-    except OSError as error:
-        raise DiagnosisError(
-            [
-                Diagnosis(
-                    "E601",
-                    f"{target}: the report cannot be written",
-                    cause=error.strerror or str(error),
-                    remedy="name a file in a folder that exists and that you may write to",
-                )
-            ]
-        ) from None
+    write_text(path, render_report(report, progress), "the report")
 
 
 def _drawn(report: Report, progress: Callable[[float], None]) -> list[tuple[Shown, str]]:
