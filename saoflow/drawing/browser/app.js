@@ -117,6 +117,8 @@
   });
   addEventListener("pointerup", () => setTimeout(() => (drag = null)));
   addEventListener("resize", () => here && look());
+  addEventListener("beforeprint", () => here && sheet.setAttribute("viewBox", `0 0 ${here.layout.width} ${here.layout.height}`));
+  addEventListener("afterprint", () => here && look());
 
   // -- what was meant by a click
 
@@ -435,7 +437,6 @@
     $("time").max = data.run.frames - 1;
     $("time").addEventListener("input", () => seek(Number($("time").value)));
     $("play").addEventListener("click", play);
-    addEventListener("beforeprint", () => here && fit());
   }
   await go(decodeURIComponent(location.hash.slice(1)));
   if (player) seek(0);
