@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from saoflow.printing import number
 from saoflow.scheduler.budget_change import BudgetChange
 
 if TYPE_CHECKING:
@@ -75,11 +76,6 @@ def part_rows(change: BudgetChange, indent: str) -> list[tuple[str, str, str, st
         new = "new" if not part.before else "gone" if not part.after else signed(part.after - part.before)
         rows.append((name, number(part.before), number(part.after), new))
     return rows
-
-
-def number(value: float) -> str:
-    """Thousands apart."""
-    return f"{value:,.0f}".replace(",", " ")
 
 
 def signed(value: int) -> str:

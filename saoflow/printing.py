@@ -52,19 +52,19 @@ def _budget(report: BudgetReport, console: Console, depth: int, least: float) ->
     from rich.text import Text
 
     limit = next((line.limit for line in report.lines if line.kind == "operations"), None)
-    share = "" if not limit else f" of {_number(limit)} ({_percent(report.total, limit)})"
+    share = "" if not limit else f" of {number(limit)} ({_percent(report.total, limit)})"
     period = "" if report.period is None else f", every {report.period:g} s"
     which = f" in frame {report.worst}, the dearest of {len(report.frames)}" if report.frames else " a frame"
-    console.print(Text(f"{report.sheet}: {_number(report.total)} operations{which}{share}{period}", style="bold"))
+    console.print(Text(f"{report.sheet}: {number(report.total)} operations{which}{share}{period}", style="bold"))
     kinds = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for title in ("kind", "used", "limit", "", ""):
         kinds.add_column(title, justify="right" if title in ("used", "limit") else "left", no_wrap=True)
     for line in report.lines:
-        allowed = "" if line.limit is None else _number(line.limit)
+        allowed = "" if line.limit is None else number(line.limit)
         bar = "" if not line.limit else f"{_bar(line.used / line.limit)} {_percent(line.used, line.limit)}"
         style = "bold red" if line.over else ""
         over = "OVER BUDGET" if line.over else ""
-        kinds.add_row(*(Text(cell, style) for cell in (line.kind, _number(line.used), allowed, bar, over)))
+        kinds.add_row(*(Text(cell, style) for cell in (line.kind, number(line.used), allowed, bar, over)))
     console.print(kinds)
     if report.rates:
         console.print(_rate_table(report))
@@ -94,10 +94,10 @@ def _tree_table(report: BudgetReport, depth: int, least: float) -> object:
         each = (
             ""
             if line.instances == 1 or line.together
-            else f"{line.instances} x {_number(line.operations // line.instances)}"
+            else f"{line.instances} x {number(line.operations // line.instances)}"
         )
         share = line.operations / max(1, report.total)
-        cells = ("  " * line.level + line.name, _number(line.operations), f"{100 * share:.1f} %", _bar(share), each)
+        cells = ("  " * line.level + line.name, number(line.operations), f"{100 * share:.1f} %", _bar(share), each)
         table.add_row(*map(Text, cells))
     return table
 
@@ -127,8 +127,8 @@ def _rate_table(report: BudgetReport) -> object:
     shown = list(enumerate(report.frames))
     if len(shown) > MOST_FRAMES:
         shown = sorted(shown, key=lambda frame: (-frame[1], frame[0]))[:MOST_FRAMES]
-    for number, cost in shown:
-        frames.add_row(*map(Text, (str(number), _number(cost), _bar(cost / max(1, report.total)))))
+    for frame, cost in shown:
+        frames.add_row(*map(Text, (str(frame), number(cost), _bar(cost / max(1, report.total)))))
     left = len(report.frames) - len(shown)
     return Group(table, frames, *([Text(f"{left} frames that cost no more")] if left else []))
 
@@ -142,7 +142,7 @@ def _lookup_table(report: BudgetReport) -> object:
     for title in ("look-ups", "points", "search steps"):
         table.add_column(title, justify="right", no_wrap=True)
     for cost in report.tables:
-        cells = (cost.name, _number(cost.uses), _number(cost.points), _number(cost.search_steps))
+        cells = (cost.name, number(cost.uses), number(cost.points), number(cost.search_steps))
         table.add_row(*map(Text, cells))
     return table
 
@@ -222,10 +222,10 @@ def _percent(used: float, limit: float) -> str:
     return f"{100 * used / limit:.0f} %"
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     """Thousands apart: ``19 500``."""
     return f"{value:,.0f}".replace(",", " ") if math.isclose(value, round(value)) else f"{value:g}"
 
 
 def _many(count: int, word: str) -> str:
-    return f"{_number(count)} {word}{'' if count == 1 else 's'}"
+    return f"{number(count)} {word}{'' if count == 1 else 's'}"

@@ -24,7 +24,7 @@ class SheetStore:
         self.texts = texts or {}
         self.sources = SourceLines()
         self._sheets: dict[Path, Sheet | DiagnosisError] = {}
-        self._by_file: dict[str, Sheet | None] = {}
+        self._by_file: dict[str, Sheet] = {}
 
     @cached_property
     def shipped(self) -> dict[str, Path]:
@@ -73,10 +73,7 @@ class SheetStore:
 
     def sheet_of(self, file: str) -> Sheet | None:
         """The sheet that was read from a file, by the file's name as positions have it."""
-        found = (sheet for sheet in self._sheets.values() if isinstance(sheet, Sheet))
-        return self._by_file.get(file) or self._by_file.setdefault(
-            file, next((sheet for sheet in found if sheet.file == file), None)
-        )
+        return self._by_file.get(file)
 
     def _with_parameters_of(self, sheet: Sheet) -> Sheet:
         """The sheet with the parameters of another that it names, those that it declares itself in their place."""
@@ -103,7 +100,7 @@ class SheetStore:
                 shown = _shown(path)
                 sheet = read_text(self.texts[key], str(shown)) if key in self.texts else read_sheet(shown)
                 self.sources.add(sheet.file, sheet.lines)
-                self._sheets[key] = self._with_parameters_of(sheet)
+                self._by_file[sheet.file] = self._sheets[key] = self._with_parameters_of(sheet)
             except DiagnosisError as error:
                 self._sheets[key] = error
         found = self._sheets[key]

@@ -9,7 +9,7 @@ from pathlib import Path
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagnosis import Position
 from saoflow.diagrams.sheet import BlockDeclaration, IterationDeclaration, ParameterDeclaration
-from saoflow.lsp.places import Place
+from saoflow.lsp.places import Place, target_of
 from saoflow.lsp.workspace import Readable, Sheets
 
 
@@ -147,14 +147,10 @@ def _output(sheets: Sheets, path: Path, readable: Readable, place: Place) -> str
     for declared in sheets.declarations(readable).values():
         fact = facts.at(str(path), declared.name.position.line, declared.name.position.column) if facts else None
         names = dict(fact.types) if fact is not None else {}
-        if declared is not block and _target(declared) == place.owner and place.name in names:
+        if declared is not block and target_of(declared) == place.owner and place.name in names:
             types = f": {names[place.name]}"
             break
     return f"**{place.name}** (output of `{place.owner}`){types}" + (f"\n\n{output.doc}" if output.doc else "")
-
-
-def _target(block: BlockDeclaration | IterationDeclaration) -> str:
-    return (block.sheet if isinstance(block, IterationDeclaration) else block.symbol).text
 
 
 def _member(sheets: Sheets, path: Path, place: Place) -> str:

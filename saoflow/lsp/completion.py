@@ -9,6 +9,7 @@ from pathlib import Path
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagrams.sheet import BlockDeclaration, IterationDeclaration
 from saoflow.diagrams.store import SheetStore
+from saoflow.lsp.places import target_of
 from saoflow.lsp.workspace import Readable, Sheets
 from saoflow.unit_names import KNOWN
 
@@ -106,7 +107,7 @@ def _members(sheets: Sheets, path: Path, readable: Readable, block: str) -> list
     declared = sheets.declarations(readable).get(block)
     if declared is None:
         return found
-    target = declared.sheet.text if isinstance(declared, IterationDeclaration) else declared.symbol.text
+    target = target_of(declared)
     other = sheets.find(target, path) if target not in SYMBOLS else None
     if other is not None:
         found = [Choice(o.name.text, "output", o.doc) for o in other[1].sheet.outputs] + found

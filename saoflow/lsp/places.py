@@ -38,7 +38,7 @@ class _Places:
     def __init__(self, sheet: Sheet) -> None:
         self.sheet = sheet
         self.parameters = {p.name.text for p in sheet.parameters}
-        self.targets = {b.name.text: _target(b) for b in sheet.blocks}
+        self.targets = {b.name.text: target_of(b) for b in sheet.blocks}
 
     def all(self) -> Iterator[Place]:
         """In no order that matters."""
@@ -66,7 +66,7 @@ class _Places:
             yield from self._names(sheet.budget.period)
 
     def _block(self, block: BlockDeclaration | IterationDeclaration) -> Iterator[Place]:
-        name, target = block.name.text, _target(block)
+        name, target = block.name.text, target_of(block)
         yield Place("wire", name, block.name.position, True, of=name)
         named = block.sheet if isinstance(block, IterationDeclaration) else block.symbol
         yield Place("symbol" if named.text in SYMBOLS else "sheet", named.text, named.position, False, of=name)
@@ -121,5 +121,6 @@ class _Places:
         return any(port.name.text == name for port in self.sheet.inputs)
 
 
-def _target(block: BlockDeclaration | IterationDeclaration) -> str:
+def target_of(block: BlockDeclaration | IterationDeclaration) -> str:
+    """The sheet or symbol that a block uses."""
     return (block.sheet if isinstance(block, IterationDeclaration) else block.symbol).text
