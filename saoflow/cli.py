@@ -8,13 +8,14 @@ Exit codes: 0 success; 1 what is checked does not hold; 2 bad input or usage; 13
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
@@ -43,6 +44,9 @@ def main() -> None:
     """The entry point: runs ``sys.argv`` and exits."""
     # A command that is told to end does so like one that is interrupted: half-written files are removed.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    # A stream that the shell has closed (`>&-`) is None: what would go there goes nowhere.
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
     sys.exit(run(sys.argv[1:]))
 
 
@@ -57,10 +61,42 @@ def run(arguments: Sequence[str]) -> int:
         return 130
     except BrokenPipeError:
         # Whoever read our output has enough. Nothing more is written, not even when Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence(sys.stdout)
         return 0
     except Exception as error:
-        return _failed(error, json)
+        stream = _unwritable() if isinstance(error, OSError) else None
+        if stream is None:
+            return _failed(error, json)
+        _silence(stream)
+        if stream is sys.stdout:
+            _refuse_output(error)
+        return 2
+
+
+def _unwritable() -> TextIO | None:
+    """Standard output or error, if what was printed there cannot be written: it is still in the buffer."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            return stream
+    return None
+
+
+def _silence(stream: TextIO) -> None:
+    """What is still in the buffer goes nowhere, so that Python can end in peace."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _refuse_output(error: Exception) -> None:
+    """Tell, on standard error in any form, that standard output is no use."""
+    from saoflow.diagnosis import Diagnosis
+
+    cause = getattr(error, "strerror", None) or str(error)
+    remedy = "make room, or send the output to another place"
+    told = Diagnosis("E601", "standard output cannot be written", cause=cause, remedy=remedy)
+    with contextlib.suppress(OSError):
+        print(told.render(), file=sys.stderr, flush=True)
 
 
 def _dispatch(arguments: list[str], json: bool) -> int:
@@ -73,8 +109,17 @@ def _dispatch(arguments: list[str], json: bool) -> int:
         print(f"saoflow {_version()}")
         return 0
     name = arguments[0]
+    if name == "check" and (code := _kept_check(arguments[1:])) is not None:
+        return code
     command = _find(name, json)
     return 2 if command is None else _call(name, command, arguments[1:], json)
+
+
+def _kept_check(arguments: list[str]) -> int | None:
+    """The exit code if all that is to be checked was found to be right before; sheets are checked often, by editors and CI."""
+    from saoflow.commands.kept_check import answer
+
+    return answer(arguments)
 
 
 def _call(name: str, function: Command, arguments: list[str], json: bool) -> int:
@@ -93,7 +138,8 @@ def _call(name: str, function: Command, arguments: list[str], json: bool) -> int
     except typer.Abort:
         return 130
     except SystemExit as leave:
-        if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # typer's way to say that the pipe is closed
+        # The ways of typer and rich to say that the pipe is closed.
+        if type(sys.stdout).__name__ == "PacifyFlushWrapper" or isinstance(leave.__context__, BrokenPipeError):
             raise BrokenPipeError from None
         return leave.code if isinstance(leave.code, int) else 1
     except Exception as error:
@@ -215,11 +261,25 @@ def _usage() -> str:
     lines = []
     for name in _in_order(set(places)):
         try:
-            summary = (_load(places[name]).__doc__ or "").strip().splitlines()[0]
+            summary = _first_line(places[name])
         except Exception as error:
             summary = f"(cannot be loaded: {error})"
         lines.append(f"  {name:<9}{summary}")
     return USAGE.format(commands="\n".join(lines))
+
+
+def _first_line(place: str) -> str:
+    """What a command says of itself, read from its file: importing all of them takes ten times as long."""
+    import ast
+    import importlib.util
+
+    module, _, function = place.partition(":")
+    spec = importlib.util.find_spec(module)
+    source = getattr(spec and spec.loader, "get_source", lambda _: None)(module)
+    for node in ast.parse(source or "").body:
+        if isinstance(node, ast.FunctionDef) and node.name == function and (doc := ast.get_docstring(node)):
+            return doc.splitlines()[0]
+    return (_load(place).__doc__ or "").strip().splitlines()[0]
 
 
 def _version() -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import importlib.util
 import os
 import platform
@@ -19,6 +18,7 @@ from pathlib import Path
 
 from saoflow.cache import Folder, part_prefix
 from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.diagrams.content_key import digest
 
 STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")
 """Every operation rounded as written; code that loads anywhere; no warnings (``saoflow build`` is what is checked)."""
@@ -86,11 +86,6 @@ def register_bytes() -> int:
     if "'avx512f'" in abilities and "'avx512dq'" in abilities:
         return 64
     return 32 if "'avx2'" in abilities else 16
-
-
-def digest(*parts: str) -> str:
-    """SHA-256 of texts, as 40 hexadecimal digits."""
-    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogateescape")).hexdigest()[:40]
 
 
 def object_name(source: str, compiler: Compiler) -> str:

@@ -6,10 +6,8 @@ a sheet. Every step checks by content: the YAML, this package's own code, the C 
 
 from __future__ import annotations
 
-import hashlib
 import os
 import pickle
-import sys
 import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -17,22 +15,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from saoflow.cache import Folder, cache_folder
-from saoflow.codegen.compiler import Compiler, compiled, digest, object_name
+from saoflow.codegen.compiler import Compiler, compiled, object_name
 from saoflow.collector import collector_paused
 from saoflow.diagnosis import Diagnosis
+from saoflow.diagrams.content_key import code_fingerprint, digest, readable_sheets
 from saoflow.diagrams.expression_value import Quantity
 from saoflow.diagrams.sheet import Sheet
-from saoflow.diagrams.store import SHIPPED
 from saoflow.scheduler.program import FrameProgram
 
 if TYPE_CHECKING:
     from saoflow.scheduler.budget import BudgetReport
-
-MOST_SHEETS = 300
-"""A sheet in a folder of more YAML files than this is elaborated every time."""
 
 
 class BackendWarning(UserWarning):
@@ -145,7 +138,7 @@ def _keep(folder: Folder, name: str, content: bytes) -> None:
 
 def content_key(sheet: ProgramSource, real: int = 64, probes: Collection[str] = ()) -> str:
     """All that a program depends on; empty where that is too much to read every time."""
-    files = _readable_sheets(Path(sheet.sheet.file).parent)
+    files = readable_sheets(Path(sheet.sheet.file))
     if files is None:
         return ""
     given = [
@@ -153,29 +146,4 @@ def content_key(sheet: ProgramSource, real: int = 64, probes: Collection[str] = 
         for name, value in sheet.given.items()
     ]
     where = (os.getcwd(), sheet.sheet.file, *sheet.sheet.lines)
-    return digest(
-        _fingerprint(), sys.version, np.__version__, str(real), *sorted(given), *probes, "\1", *where, "\1", *files
-    )
-
-
-def _readable_sheets(folder: Path) -> list[str] | None:
-    """Name and content of every sheet that may be used: those beside the root sheet, and the shipped ones."""
-    beside = sorted(folder.glob("*.yaml")) if folder.is_dir() else []
-    if len(beside) > MOST_SHEETS:
-        return None
-    try:
-        return [f"{path}={hashlib.sha256(path.read_bytes()).hexdigest()}" for path in (*beside, *_shipped())]
-    except OSError:
-        return None
-
-
-def _shipped() -> list[Path]:
-    return sorted(SHIPPED.glob("*/*.yaml"))
-
-
-@lru_cache(maxsize=1)
-def _fingerprint() -> str:
-    """This package's code: a program kept by another version is not found."""
-    root = SHIPPED.parent
-    files = [(path.relative_to(root).as_posix(), path.stat()) for path in sorted(root.rglob("*.py"))]
-    return digest(*(f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in files))
+    return digest(code_fingerprint(), str(real), *sorted(given), *probes, "\1", *where, "\1", *files)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from saoflow.commands.kept_check import Facts, keep, kept, summary, verdict_key
 from saoflow.commands.shell import Findings, Json, Set, exit_code, finish, load_sheet, tell
 
 if TYPE_CHECKING:
@@ -29,22 +29,29 @@ def check(
     facts, everything = [], []
     for name in sheets:
         findings = Findings()
-        sheet = load_sheet(name, settings, findings, check=False)
-        known = None if sheet is None else _known(sheet)
+        key = verdict_key(name, settings or ())
+        known = kept(key)
         if known is None:
-            sheet = None if sheet is None else findings.attempt(partial(_checked, sheet))
-            known = _facts(name, sheet, findings)
-            if sheet is not None and not findings.found:
-                _keep(sheet, known)
+            known = _found(name, settings, findings)
+            # Files that changed meanwhile may have been read before or after that.
+            if not findings.found and verdict_key(name, settings or ()) == key:
+                keep(key, known)
         everything += findings.found
         facts.append(known)
         if not json:
             tell(findings.found)
-            print(_summary(facts[-1]))
+            print(summary(known))
     if json:
         finish(everything, json, {"sheets": facts})
     elif exit_code(everything):
         raise typer.Exit(exit_code(everything))
+
+
+def _found(name: str, settings: list[str] | None, findings: Findings) -> Facts:
+    """Check a sheet: what is wrong goes to ``findings``."""
+    sheet = load_sheet(name, settings, findings, check=False)
+    sheet = None if sheet is None else findings.attempt(partial(_checked, sheet))
+    return _facts(name, sheet, findings)
 
 
 def _checked(sheet: LoadedSheet) -> LoadedSheet:
@@ -53,56 +60,12 @@ def _checked(sheet: LoadedSheet) -> LoadedSheet:
     return sheet
 
 
-def _known(sheet: LoadedSheet) -> dict[str, Any] | None:
-    """What was found before in the same sheets by the same code, if that was nothing wrong."""
-    from saoflow.cache import cache_folder
-    from saoflow.codegen.objects import content_key
-
-    folder = cache_folder()
-    key = "" if folder.problem else content_key(sheet)
-    content = folder.read(f"{key}.check") if key else None
-    if content is None:
-        return None
-    blocks, sheets = (int(number) for number in content.split())
-    return _fine(sheet, blocks, sheets)
-
-
-def _keep(sheet: LoadedSheet, facts: dict[str, Any]) -> None:
-    """Keep that nothing is wrong; where that cannot be, the sheet is checked anew next time."""
-    from saoflow.cache import cache_folder
-    from saoflow.codegen.objects import content_key
-
-    folder = cache_folder()
-    key = "" if folder.problem else content_key(sheet)
-    if key:
-        with suppress(OSError):
-            folder.write(f"{key}.check", f"{facts['blocks']} {facts['sub_sheets']}".encode())
-
-
-def _fine(sheet: LoadedSheet, blocks: int, sheets: int) -> dict[str, Any]:
-    found = {"sheet": sheet.name, "errors": 0, "warnings": 0}
-    return {**found, "file": sheet.sheet.file, "blocks": blocks, "sub_sheets": sheets}
-
-
-def _facts(name: str, sheet: LoadedSheet | None, findings: Findings) -> dict[str, Any]:
+def _facts(name: str, sheet: LoadedSheet | None, findings: Findings) -> Facts:
     errors = len(findings.errors)
-    facts: dict[str, Any] = {"sheet": name, "errors": errors, "warnings": len(findings.found) - errors}
+    facts: Facts = {"sheet": name, "errors": errors, "warnings": len(findings.found) - errors}
     if sheet is not None:
         from saoflow.diagrams.netlist import count_instances
 
         blocks, sheets = count_instances(sheet.netlist)
         facts |= {"sheet": sheet.name, "file": sheet.sheet.file, "blocks": blocks, "sub_sheets": sheets}
     return facts
-
-
-def _summary(facts: dict[str, Any]) -> str:
-    found = f"{_many(facts['errors'], 'error')}" + (
-        f", {_many(facts['warnings'], 'warning')}" if facts["warnings"] else ""
-    )
-    if "blocks" not in facts:
-        return f"{facts['sheet']}: {found}"
-    return f"{facts['sheet']}: {_many(facts['blocks'], 'block')}, {_many(facts['sub_sheets'], 'sub-sheet')}, {found}"
-
-
-def _many(count: int, word: str) -> str:
-    return f"{count} {word}{'' if count == 1 else 's'}"

@@ -11,9 +11,9 @@ from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
 from saoflow.diagrams.netlist import SourceLines
 from saoflow.diagrams.reader import read_sheet, read_text
 from saoflow.diagrams.sheet import Sheet
+from saoflow.diagrams.shipped import LIBRARY, SHIPPED, place_of, shipped_sheets, shown_path
 
-SHIPPED = Path(__file__).parent
-LIBRARY = SHIPPED / "library"
+__all__ = ["LIBRARY", "SHIPPED", "SheetStore"]
 
 
 class SheetStore:
@@ -29,19 +29,12 @@ class SheetStore:
     @cached_property
     def shipped(self) -> dict[str, Path]:
         """The shipped sheets by name; the library first."""
-        found: dict[str, Path] = {}
-        folders = [LIBRARY, *sorted(p for p in SHIPPED.iterdir() if p.is_dir() and p != LIBRARY)]
-        for folder in folders:
-            for path in sorted(folder.glob("*.yaml")):
-                found.setdefault(path.stem, path)
-        return found
+        return shipped_sheets()
 
     def open(self, name: str) -> Sheet:
         """The sheet that a user names: a path, or the name of a shipped sheet. Raises DiagnosisError E602 and others."""
-        if name in self.shipped and not Path(name).exists():
-            return self._read(self.shipped[name])
-        path = Path(name)
-        if path.suffix in (".yaml", ".yml") or path.exists():
+        path = place_of(name, self.shipped)
+        if path is not None:
             return self._read(path)
         raise DiagnosisError(
             [
@@ -97,7 +90,7 @@ class SheetStore:
         key = path.resolve()
         if key not in self._sheets:
             try:
-                shown = _shown(path)
+                shown = shown_path(path)
                 sheet = read_text(self.texts[key], str(shown)) if key in self.texts else read_sheet(shown)
                 self.sources.add(sheet.file, sheet.lines)
                 self._by_file[sheet.file] = self._sheets[key] = self._with_parameters_of(sheet)
@@ -107,12 +100,3 @@ class SheetStore:
         if isinstance(found, DiagnosisError):
             raise found
         return found
-
-
-def _shown(path: Path) -> Path:
-    """A path as messages show it: relative to the working folder where that is shorter."""
-    try:
-        short = path.resolve().relative_to(Path.cwd())
-    except ValueError:
-        return path
-    return short if not path.is_absolute() or len(str(short)) < len(str(path)) else path
