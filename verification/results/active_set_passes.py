@@ -1,4 +1,6 @@
-"""How many passes and linearisations paper 002's sheets need: ``python -m verification.results.active_set_passes``.
+"""How many passes and linearisations paper 002's sheets need.
+
+    python -m verification.results.active_set_passes [--frames 600]
 
 The windows are those of `saoflow verify`: the paper's example, on which no bound is reached, and measurements far
 outside it.
@@ -6,6 +8,7 @@ outside it.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -20,6 +23,9 @@ from verification.verifier.double_mhe_case import runs
 
 SOLVED = 1e-9
 """A window is solved when its estimates are this near to the solution."""
+
+LEAST_FRAMES = 30
+"""Of all scenarios together; each has windows then."""
 
 ENOUGH = 3 * PAPER.n
 """Passes after which nothing changes any more."""
@@ -74,9 +80,14 @@ def iteration_errors(scenario: Scenario, most: int = 6, tuning: Tuning = PAPER) 
     return tuple(float(np.abs(newest(i) - converged).max()) for i in range(1, most + 1))
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    scenarios = runs(600, seed=3)
+    parser = argparse.ArgumentParser(prog="python -m verification.results.active_set_passes")
+    parser.add_argument("--frames", type=int, default=600, help="of all scenarios together")
+    frames = parser.parse_args(arguments).frames
+    if frames < LEAST_FRAMES:
+        parser.error(f"--frames {frames} leaves scenarios without a window: write at least {LEAST_FRAMES}")
+    scenarios = runs(frames, seed=3)
     print("windows not solved after 1, 2, ... active-set passes")
     for row in unsolved(scenarios):
         print(f"{row.scenario:22} {row.stage:12} {row.windows:4} windows, {row.held:3} on a bound: {row.after}")

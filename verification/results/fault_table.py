@@ -1,18 +1,20 @@
 """The table of Table II's faults on the flights, in Markdown, misses included.
 
 python -m verification.results.fault_table -o docs/fault_table.md
+python -m verification.results.fault_table --flights a320_calm_350kt_5000ft --seeds 1 --seconds 20    # a look
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from saoflow.whole_file import write_whole
-from verification.flights import KINDS
+from verification.flights import KINDS, shipped_recordings
 from verification.results.faults import (
     DURATION,
     LEVELS,
@@ -29,15 +31,18 @@ from verification.results.faults import (
 FLIGHTS = ("a320_calm_350kt_5000ft", "a320_wind_350kt_5000ft")
 """Level and calm; and manoeuvres in changing wind. Both A320, 350 kt, 5000 ft."""
 
-INTRODUCTION = f"""\
+
+def introduction(seeds: int = len(SEEDS), duration: float = DURATION) -> str:
+    """What stands above the tables, for so many noise seeds, each flown for so many seconds."""
+    return f"""\
 # The faults of Table II on the flights
 
 Written by `python -m verification.results.fault_table -o docs/fault_table.md`; a shortened version is a test
 (`tests/verification/results/test_fault_table.py`).
 
 Every fault type of Table II of paper 004, at the low, the geometrically middle and the high end of its range, on one,
-two and three sensors of a kind, each with {len(SEEDS)} noise seeds (bias, jamming and runaway negative with the second).
-Sensor noise as in Table I of paper 003, completed; onset at {ONSET:g} s, {DURATION - ONSET:g} s watched after it. The
+two and three sensors of a kind, each with {seeds} noise seeds (bias, jamming and runaway negative with the second).
+Sensor noise as in Table I of paper 003, completed; onset at {ONSET:g} s, {duration - ONSET:g} s watched after it. The
 readings do not feed back into the aircraft: ours is an open loop.
 
 A cell reads: runs in which all faulty sensors were confirmed, of all runs; mean delay from onset to the confirmation of
@@ -116,16 +121,21 @@ def summary(results: Sequence[Result]) -> str:
     )
 
 
-def document(flights: Sequence[str] = FLIGHTS, progress: Callable[[str, float], None] | None = None) -> str:
-    """The whole document: introduction, and for each flight a summary and the table."""
-    parts = [INTRODUCTION]
+def document(
+    flights: Sequence[str] = FLIGHTS,
+    seeds: Sequence[int] = SEEDS,
+    duration: float = DURATION,
+    progress: Callable[[str, float], None] | None = None,
+) -> str:
+    """The whole document: introduction, and for each flight a summary and the table. ``duration`` [s] of each run."""
+    parts = [introduction(len(seeds), duration)]
     for flight in flights:
 
         def tell(done: float, flight: str = flight) -> None:
             if progress is not None:
                 progress(flight, done)
 
-        results = run_trials(flight, trials(), progress=tell)
+        results = run_trials(flight, trials(seeds), duration=duration, progress=tell)
         parts.append(f"## {flight}\n\n{summary(results)}\n\n{table(results)}\n")
     return "\n".join(parts)
 
@@ -134,10 +144,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write the document, all of it or nothing."""
     parser = argparse.ArgumentParser(prog="python -m verification.results.fault_table", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, help="file to write; without it the table is printed")
-    output: Path | None = parser.parse_args(arguments).output
+    parser.add_argument("--flights", nargs="+", metavar="NAME", choices=shipped_recordings(), default=FLIGHTS, help="these")
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="of the noise")
+    parser.add_argument("--seconds", type=float, default=DURATION, help=f"of each run; the onset is at {ONSET:g} s")
+    given = parser.parse_args(arguments)
+    output: Path | None = given.output
+    if not ONSET < given.seconds < math.inf:
+        parser.error(f"--seconds {given.seconds:g} ends before the onset at {ONSET:g} s: write more")
     if output is not None and (output.is_dir() or not os.access(output.resolve().parent, os.W_OK)):
         parser.error(f"{output} cannot be written: name a file in a folder that exists and that you may write to")
-    text = _with_progress_bar()
+    text = _with_progress_bar(given.flights, given.seeds, given.seconds)
     if output is None:
         print(text)
         return 0
@@ -145,14 +161,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _with_progress_bar() -> str:
+def _with_progress_bar(flights: Sequence[str], seeds: Sequence[int], duration: float) -> str:
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        tasks = {flight: bar.add_task(flight, total=1.0) for flight in FLIGHTS}
-        return document(progress=lambda flight, done: bar.update(tasks[flight], completed=done))
+        tasks = {flight: bar.add_task(flight, total=1.0) for flight in flights}
+        return document(flights, seeds, duration, lambda flight, done: bar.update(tasks[flight], completed=done))
 
 
 if __name__ == "__main__":

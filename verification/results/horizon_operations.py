@@ -1,6 +1,6 @@
 """Operations a frame of paper 003's estimators against the horizon N, counted on the sheets.
 
-    python -m verification.results.horizon_operations
+    python -m verification.results.horizon_operations [--longest 20]
 
 The paper: the normal equations of MHO-wD cost O(N^3 (n_x + n_w)^3) when condensed, those of MHO-woD and MHO-PE O(n_x^3),
 whatever N. Besides them every horizon has to be predicted and linearised, which is in proportion to N.
@@ -8,6 +8,7 @@ whatever N. Besides them every horizon has to be predicted and linearised, which
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -110,11 +111,17 @@ def _number(value: int) -> str:
     return f"{value:,}".replace(",", " ")
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
-    found = costs()
+    parser = argparse.ArgumentParser(prog="python -m verification.results.horizon_operations")
+    parser.add_argument("--longest", type=int, default=HORIZONS[-1], help="the largest N; at least 3")
+    longest = parser.parse_args(arguments).longest
+    if longest < HORIZONS[0] + 1:
+        parser.error(f"--longest {longest}: no growth to be seen from N = {HORIZONS[0]} to {longest}; write at least 3")
+    found = costs(range(HORIZONS[0], longest + 1))
     print(table(found), end="")
-    print(f"\nThe exponents are fitted over N = {FITTED[0]} to {FITTED[-1]}. `ekf`: {filter_operations()} operations.")
+    first = FITTED[0] if longest >= FITTED[0] else HORIZONS[0]
+    print(f"\nThe exponents are fitted over N = {first} to {min(longest, FITTED[-1])}. `ekf`: {filter_operations()} operations.")
     print("The equations of `mho_pe` and `mho_wod` alone: ", end="")
     print(", ".join(sorted({str(one.solve) for one in found if one.sheet in ("mho_pe", "mho_wod")})), "at every N.")
 

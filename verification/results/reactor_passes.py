@@ -1,4 +1,4 @@
-"""How many passes paper 001's estimators need: ``python -m verification.results.reactor_passes [--seeds 1 49]``.
+"""How many passes paper 001's estimators need: ``python -m verification.results.reactor_passes [--seeds 1 49] [--steps 250]``.
 
 Every window of simulated runs is solved to rounding, and again with 1, 2, ... passes from the same start.
 """
@@ -108,11 +108,14 @@ def distances(method: Method, seeds: Sequence[int], steps: int = STEPS, tuning: 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(prog="python -m verification.results.reactor_passes", description=__doc__)
-    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="runs of 250 steps")
-    seeds = parser.parse_args(arguments).seeds
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="the runs")
+    parser.add_argument("--steps", type=int, default=STEPS, help="of each run")
+    given = parser.parse_args(arguments)
+    if given.steps <= Tuning().N:
+        parser.error(f"--steps {given.steps} is no longer than a window: write more than {Tuning().N}")
     print("| passes | from the solution, median | largest | windows lost | largest excess of J |\n|---|---|---|---|---|")
     for method in METHODS:
-        for row in distances(method, seeds):
+        for row in distances(method, given.seeds, given.steps):
             print(f"| {method.name}: {row.passes} | {row.typical:.0e} | {row.largest:.0e} | {row.lost} | {row.epsilon:.0e} |")
 
 
