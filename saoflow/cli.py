@@ -8,14 +8,15 @@ Exit codes: 0 success; 1 what is checked does not hold; 2 bad input or usage; 13
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
+
+from saoflow.streams import StreamError, guard, silence
 
 if TYPE_CHECKING:
     from saoflow.diagnosis import Diagnosis
@@ -44,59 +45,51 @@ def main() -> None:
     """The entry point: runs ``sys.argv`` and exits."""
     # A command that is told to end does so like one that is interrupted: half-written files are removed.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    # A stream that the shell has closed (`>&-`) is None: what would go there goes nowhere.
-    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
-    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    guard()
     sys.exit(run(sys.argv[1:]))
 
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command line; returns its exit code. Never raises for bad input."""
-    json = "--json" in arguments
     try:
-        code = _dispatch(list(arguments), json)
+        code = _answered(arguments)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
         # Whoever read our output has enough. Nothing more is written, not even when Python ends.
-        _silence(sys.stdout)
+        silence(1)
         return 0
-    except Exception as error:
-        stream = _unwritable() if isinstance(error, OSError) else None
-        if stream is None:
-            return _failed(error, json)
-        _silence(stream)
-        if stream is sys.stdout:
+    except StreamError as error:
+        silence(error.stream)
+        if error.stream == 1:
             _refuse_output(error)
         return 2
 
 
-def _unwritable() -> TextIO | None:
-    """Standard output or error, if what was printed there cannot be written: it is still in the buffer."""
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except OSError:
-            return stream
-    return None
+def _answered(arguments: Sequence[str]) -> int:
+    """The exit code of a command line, all of its errors told; raises what a stream that cannot be written raises."""
+    json = "--json" in arguments
+    try:
+        return _dispatch(list(arguments), json)
+    except (BrokenPipeError, StreamError):
+        raise
+    except Exception as error:
+        return _failed(error, json)
 
 
-def _silence(stream: TextIO) -> None:
-    """What is still in the buffer goes nowhere, so that Python can end in peace."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
-def _refuse_output(error: Exception) -> None:
+def _refuse_output(error: StreamError) -> None:
     """Tell, on standard error in any form, that standard output is no use."""
     from saoflow.diagnosis import Diagnosis
 
-    cause = getattr(error, "strerror", None) or str(error)
+    cause = error.strerror or str(error)
     remedy = "make room, or send the output to another place"
     told = Diagnosis("E601", "standard output cannot be written", cause=cause, remedy=remedy)
-    with contextlib.suppress(OSError):
+    try:
         print(told.render(), file=sys.stderr, flush=True)
+    except OSError:
+        silence(2)
 
 
 def _dispatch(arguments: list[str], json: bool) -> int:

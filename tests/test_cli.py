@@ -155,6 +155,33 @@ def test_a_reader_that_has_enough_gets_no_more() -> None:
     assert process.wait() in (0, -signal.SIGPIPE) and told == b""
 
 
+def streams(*arguments: str, out: str, err: str = "2>told") -> tuple[int, str]:
+    """Run a command with its streams as the shell makes them; the exit code and what stands in the file `told`."""
+    line = f"{sys.executable} -m saoflow {' '.join(arguments)} {err} {out}"
+    code = subprocess.run(["bash", "-c", f"set -o pipefail; {line}"], check=False).returncode
+    return code, Path("told").read_text(encoding="utf-8") if Path("told").exists() else ""
+
+
+@pytest.mark.parametrize("arguments", [("budget", LAG, "--json"), ("symbols",), ("schema",), ("check", LAG)])
+def test_a_full_disk_behind_standard_output_is_a_diagnosis(here: Path, arguments: tuple[str, ...]) -> None:
+    code, told = streams(*arguments, out=">/dev/full")
+    assert code == 2 and told.startswith("error[E601]: standard output cannot be written\n")
+    assert "No space left" in told and "Traceback" not in told and "E699" not in told
+
+
+def test_streams_that_are_closed_or_full_change_no_exit_code(here: Path) -> None:
+    assert streams("check", LAG, out=">&-") == (0, "")
+    code, told = streams("check", "nowhere", out=">&-")
+    assert code == 2 and told.startswith("error[E602]")
+    assert streams("check", "nowhere", out=">/dev/null", err="2>/dev/full")[0] == 2
+    assert streams("check", "nowhere", out=">/dev/full", err="2>/dev/full")[0] == 2
+    assert streams("check", LAG, out=">/dev/full", err="2>&-")[0] == 2
+
+
+def test_tables_that_nobody_reads_on_are_no_failure(here: Path) -> None:
+    assert streams("symbols", out="| head -1 > /dev/null") == (0, "")
+
+
 @pytest.mark.parametrize("checked_before", [False, True])
 def test_start_up_is_quick_and_loads_nothing_heavy(tmp_path: Path, checked_before: bool) -> None:
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
