@@ -146,6 +146,7 @@ def main() -> int:
     parser.add_argument("--markdown", action="store_true", help="print tables for docs/cost_model.md")
     parser.add_argument("--tuned", action="store_true", help="check the sheets that the model was made on")
     parser.add_argument("--set", action="append", choices=list(TOOLCHAINS), help="only this instruction set")
+    parser.add_argument("--seeds", type=int, nargs="+", metavar="SEED", help="random sheets of these seeds alone: a look")
     options = parser.parse_args()
     sets: dict[str, Target] = {}
     for target in targets().values():
@@ -153,9 +154,8 @@ def main() -> int:
     missed = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        samples = (
-            [flagship(), *random_samples(FITTED if options.fit or options.tuned else CHECKED, folder)]
-        )
+        seeds = options.seeds or (FITTED if options.fit or options.tuned else CHECKED)
+        samples = [*([] if options.seeds else [flagship()]), *random_samples(seeds, folder)]
         for key in options.set or TOOLCHAINS:
             tools = TOOLCHAINS[key]
             isa = sets[key].instruction_set
