@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import importlib.util
 import os
 import platform
@@ -22,6 +23,8 @@ from saoflow.diagrams.content_key import digest
 
 STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")
 """Every operation rounded as written; code that loads anywhere; no warnings (``saoflow build`` is what is checked)."""
+
+ROOM = "make room there, or set XDG_CACHE_HOME to a folder with room; or use backend `interpreter`"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,25 +53,59 @@ class Compiler:
 
 
 def find_compiler() -> Compiler | None:
-    """$SAOFLOW_CC or $CC if set, else cc, gcc, clang, else the ``ziglang`` wheel; None if there is none that runs."""
-    return _find(os.environ.get("SAOFLOW_CC") or os.environ.get("CC") or "", os.environ.get("PATH", ""))
+    """$SAOFLOW_CC if set; else $CC, cc, gcc, clang or the ``ziglang`` wheel, the first that runs; None if none does.
+
+    Raises DiagnosisError E607 if the one that SAOFLOW_CC names does not run: nobody who names one wants another.
+    """
+    return _find(os.environ.get("SAOFLOW_CC", "").strip(), os.environ.get("CC", "").strip(), os.environ.get("PATH", ""))
 
 
 @lru_cache(maxsize=8)
-def _find(chosen: str, _path: str) -> Compiler | None:
-    candidates: list[tuple[str, ...]] = [tuple(shlex.split(chosen))] if chosen else []
-    candidates += [(name,) for name in ("cc", "gcc", "clang")]
+def _find(named: str, usual: str, _path: str) -> Compiler | None:
+    if named:
+        return _named(named)
+    candidates: list[Sequence[str]] = [(name,) for name in ("cc", "gcc", "clang")]
+    with contextlib.suppress(ValueError):  # a quote that is not closed: no compiler either
+        candidates.insert(0, shlex.split(usual))
     if importlib.util.find_spec("ziglang") is not None:
         candidates.append((sys.executable, "-m", "ziglang", "cc"))
-    for command in candidates:
-        found = shutil.which(command[0])
-        if found is None:
-            continue
-        with contextlib.suppress(OSError, subprocess.SubprocessError):
-            answer = subprocess.run([found, *command[1:], "--version"], capture_output=True, text=True, timeout=60)
-            if answer.returncode == 0:
-                return Compiler((found, *command[1:]), answer.stdout.strip())
-    return None
+    found = (_asked(command) for command in candidates if command)
+    return next((answer for answer in found if isinstance(answer, Compiler)), None)
+
+
+def _named(text: str) -> Compiler:
+    try:
+        answer = _asked(shlex.split(text))
+    except ValueError as error:
+        answer = f"it cannot be split into words: {error}"
+    if isinstance(answer, Compiler):
+        return answer
+    message, remedy = f"SAOFLOW_CC names no compiler that runs: `{text}`", "correct it, or unset it: cc, gcc or clang is taken then"
+    raise DiagnosisError([Diagnosis("E607", message, cause=answer, remedy=remedy)])
+
+
+def _asked(command: Sequence[str]) -> Compiler | str:
+    """A compiler that tells its version, or why there is none."""
+    found = shutil.which(command[0])
+    if found is None:
+        return f"there is no program `{command[0]}`"
+    found = os.path.abspath(found)  # it is called from other folders
+    try:
+        told = subprocess.run(
+            [found, *command[1:], "--version"], capture_output=True, text=True, errors="replace", timeout=60, stdin=subprocess.DEVNULL
+        )
+    except subprocess.TimeoutExpired:
+        return "it does not tell its version (--version) within a minute"
+    except OSError as error:
+        return f"{found}: {error.strerror or error}"
+    if told.returncode:
+        return f"asked for its version (--version), it {ending(told.returncode)}"
+    return Compiler((found, *command[1:]), told.stdout.strip())
+
+
+def ending(code: int) -> str:
+    """How a program with this exit code ended, as the rest of a sentence."""
+    return f"ends with exit code {code}" if code > 0 else f"is killed by signal {-code}"
 
 
 @lru_cache(maxsize=1)
@@ -103,31 +140,42 @@ def compiled(text: str, compiler: Compiler, folder: Folder) -> Path:
         with tempfile.TemporaryDirectory(prefix=part_prefix(), dir=folder.path) as work, _told(compiler):
             source, target = Path(work) / "frame.c", Path(work) / "frame.so"
             source.write_text(text, encoding="ascii")
-            _call([*compiler.command, *compiler.flags, str(source), "-o", str(target)], compiler)
+            _call([*compiler.command, *compiler.flags, str(source), "-o", str(target)], compiler, folder)
             return folder.write(name, target.read_bytes())
     except OSError as error:
-        raise _failed(
-            compiler,
-            f"{error.strerror or error} ({folder.path})",
-            "make room there, or set XDG_CACHE_HOME to a folder with room; or use backend `interpreter`",
-        ) from None
+        raise _failed(compiler, f"{error.strerror or error} ({folder.path})", ROOM) from None
 
 
-def _call(command: Sequence[str], compiler: Compiler) -> None:
+def _call(command: Sequence[str], compiler: Compiler, folder: Folder) -> None:
     # The compiler's own temporary files go beside the source: a compile that is killed leaves one folder, not more.
     place = {**os.environ, "TMPDIR": os.path.dirname(command[-1])}
     done = subprocess.run(
         command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL, env=place
     )
-    if done.returncode:
-        code = done.returncode
-        ended = f"ends with exit code {code}" if code > 0 else f"is killed by signal {-code}"
-        said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
-        raise _failed(
-            compiler,
-            "; ".join(said) or f"it {ended} and says nothing",
-            "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`",
-        )
+    wrong = "" if done.returncode else wrong_library(command[-1])
+    if not wrong and done.returncode == 0:
+        return
+    lines = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
+    said = wrong or "; ".join(lines) or f"it {ending(done.returncode)} and says nothing"
+    if os.strerror(errno.ENOSPC) in said:
+        raise _failed(compiler, f"{said} ({folder.path})", ROOM)
+    raise _failed(compiler, said, "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`")
+
+
+def wrong_library(path: str | os.PathLike[str]) -> str:
+    """Why a library that a compiler has just made is none for this machine; empty if it is one."""
+    try:
+        with open(path, "rb") as made, open(sys.executable, "rb") as ours:
+            there, here = made.read(20), ours.read(20)
+    except FileNotFoundError:
+        return "it ends without an error, but it has written nothing"
+    if not here.startswith(b"\x7fELF"):
+        return ""
+    if not there.startswith(b"\x7fELF"):
+        return "what it has written is no shared library"
+    # Width of addresses, order of bytes, and kind of machine, as the header of an ELF file tells them.
+    same = there[4:6] == here[4:6] and there[18:20] == here[18:20]
+    return "" if same else "it makes code for another machine"
 
 
 def _failed(compiler: Compiler, cause: str, remedy: str) -> DiagnosisError:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import platform
 import subprocess
 import tempfile
@@ -9,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from saoflow.codegen.compiler import Compiler
+from saoflow.codegen.compiler import Compiler, ending, wrong_library
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-fvisibility=hidden")
@@ -61,8 +63,13 @@ def compile_binary(
             done = subprocess.run(
                 command, cwd=folder, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL
             )
+            if os.strerror(errno.ENOSPC) in done.stderr:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
             if done.returncode:
-                raise _failed(compiler, done.stderr or done.stdout, done.returncode)
+                raise _failed(compiler, done.stderr or done.stdout, f"it {ending(done.returncode)} and says nothing")
+            wrong = wrong_library(target)
+            if wrong:
+                raise _failed(compiler, wrong, "")
             return target.read_bytes()
     except OSError as error:
         where = error.filename or tempfile.gettempdir()
@@ -78,14 +85,14 @@ def compile_binary(
         ) from None
 
 
-def _failed(compiler: Compiler, said: str, code: int) -> DiagnosisError:
+def _failed(compiler: Compiler, said: str, otherwise: str) -> DiagnosisError:
     lines = [line for line in said.splitlines() if line.strip()][:3]
     return DiagnosisError(
         [
             Diagnosis(
                 "E607",
                 f"the C code of the unit cannot be compiled with {' '.join(compiler.command)}",
-                cause="; ".join(lines) or f"it ends with exit code {code} and says nothing",
+                cause="; ".join(lines) or otherwise,
                 remedy="try another compiler (SAOFLOW_CC=clang), or leave the binary out with --source-only",
             )
         ]

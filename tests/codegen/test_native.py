@@ -257,6 +257,50 @@ def test_a_compiler_that_fails_is_diagnosed(tmp_path: Path, monkeypatch: pytest.
     assert not [p for p in (tmp_path / "cache/saoflow").iterdir() if p.suffix == ".so" or p.name.startswith("part-")]
 
 
+@pytest.mark.parametrize(
+    ("named", "cause"),
+    [
+        ("nowhere_cc", "there is no program `nowhere_cc`"),
+        ("BENCH -x", "asked for its version (--version), it ends with exit code 1"),
+        ('gcc "', "it cannot be split into words: No closing quotation"),
+        ("BENCH silent", "it ends without an error, but it has written nothing"),
+        ("BENCH junk", "what it has written is no shared library"),
+        ("BENCH cross", "it makes code for another machine"),
+    ],
+)
+def test_a_compiler_that_is_named_is_used_or_refused(
+    named: str, cause: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = tmp_path / "bench"
+    script.write_text(
+        "#!/bin/sh\nfor last; do :; done\n[ $2 = --version ] && [ $1 != -x ] && exit 0\n"
+        "case $1 in junk) echo junk > $last;; cross) printf '\\177ELF\\002\\002\\001.............' > $last;; silent) ;; *) exit 1;; esac\n"
+    )
+    script.chmod(0o755)
+    monkeypatch.setenv("SAOFLOW_CC", named.replace("BENCH", str(script)))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with pytest.raises(DiagnosisError) as caught:
+        sheet_of(tmp_path, SMALL).simulator(backend="c")
+    (found,) = caught.value.diagnoses
+    assert found.code == "E607" and found.cause == cause
+
+
+def test_a_disk_that_is_full_for_the_linker_is_no_fault_of_the_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    linker = tmp_path / "linker"
+    linker.write_text(
+        "#!/bin/sh\n[ $1 = --version ] && exit 0\necho 'ld: final link failed: No space left on device' >&2\nexit 1\n"
+    )
+    linker.chmod(0o755)
+    monkeypatch.setenv("SAOFLOW_CC", str(linker))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with pytest.raises(DiagnosisError) as caught:
+        sheet_of(tmp_path, SMALL).simulator(backend="c")
+    assert str(tmp_path / "cache") in caught.value.diagnoses[0].cause
+    assert caught.value.diagnoses[0].remedy.startswith("make room there")
+
+
 def test_a_full_disk_is_diagnosed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     objects.warn_once.cache_clear()
