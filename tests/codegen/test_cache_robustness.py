@@ -182,7 +182,7 @@ def test_a_disk_without_room_is_told_and_the_next_run_compiles(bench: Bench) -> 
 
 def test_an_object_that_cannot_be_loaded_is_told(bench: Bench) -> None:
     (bench.folder / "cc").write_text(
-        "#!/bin/sh\n[ $1 = --version ] && exit 0\nfor name; do :; done\necho no object > $name\n"
+        f"#!/bin/sh\n[ $1 = --version ] && exit 0\nfor name; do :; done\nhead -c 64 {sys.executable} > $name\n"
     )
     code, said = bench.run()
     assert code == 2 and bench.result() is None
