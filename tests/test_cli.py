@@ -182,6 +182,13 @@ def test_tables_that_nobody_reads_on_are_no_failure(here: Path) -> None:
     assert streams("symbols", out="| head -1 > /dev/null") == (0, "")
 
 
+def test_errors_that_nobody_reads_on_are_errors_all_the_same(here: Path) -> None:
+    lines = "".join(f"  y{i}: {{add: [x, z{i}]}}\n" for i in range(2000))  # more than a pipe holds
+    Path("bad.yaml").write_text(f"sheet: bad\ninputs: [x]\nblocks:\n{lines}outputs: [y0]\n", encoding="utf-8")
+    assert streams("check", "bad.yaml", err="2>&1", out="| head -1 > /dev/null")[0] == 2
+    assert streams("check", "bad.yaml", "--json", err="", out="| head -1 > /dev/null")[0] == 2
+
+
 @pytest.mark.parametrize("checked_before", [False, True])
 def test_start_up_is_quick_and_loads_nothing_heavy(tmp_path: Path, checked_before: bool) -> None:
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}

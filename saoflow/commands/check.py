@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from saoflow.commands.kept_check import Facts, keep, kept, summary, verdict_key
-from saoflow.commands.shell import Findings, Json, Set, exit_code, finish, load_sheet, tell
+from saoflow.commands.shell import Findings, Json, Set, errors_stay, exit_code, finish, load_sheet, tell
 
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
@@ -39,8 +39,9 @@ def check(
         everything += findings.found
         facts.append(known)
         if not json:
-            tell(findings.found)
-            print(summary(known))
+            with errors_stay(everything):
+                tell(findings.found)
+                print(summary(known), flush=True)
     if json:
         finish(everything, json, {"sheets": facts})
     elif exit_code(everything):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from saoflow.diagnosis import Diagnoses, Diagnosis, DiagnosisError, did_you_mean
+from saoflow.streams import silence
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -58,14 +59,29 @@ def exit_code(diagnoses: Sequence[Diagnosis]) -> int:
 
 def finish(diagnoses: Sequence[Diagnosis], json: bool, facts: Mapping[str, Any] | None = None) -> None:
     """Tell the diagnoses (text on standard error, or JSON with the facts), and end with their exit code if it is not 0."""
-    if json:
-        answer = {**(facts or {}), "diagnoses": [d.to_dict() for d in diagnoses]}
-        print(json_text.dumps(answer, indent=1, allow_nan=False))
-    else:
-        tell(diagnoses)
     code = exit_code(diagnoses)
+    with errors_stay(diagnoses):
+        if json:
+            answer = {**(facts or {}), "diagnoses": [d.to_dict() for d in diagnoses]}
+            print(json_text.dumps(answer, indent=1, allow_nan=False), flush=True)
+        else:
+            tell(diagnoses)
     if code:
         raise typer.Exit(code)
+
+
+@contextmanager
+def errors_stay(diagnoses: Sequence[Diagnosis]) -> Iterator[None]:
+    """Where nobody reads on (`| head`), errors are errors all the same: the command ends with their exit code."""
+    try:
+        yield
+    except BrokenPipeError:
+        code = exit_code(diagnoses)
+        if not code:
+            raise
+        silence(1)
+        silence(2)
+        raise typer.Exit(code) from None
 
 
 def tell(diagnoses: Sequence[Diagnosis]) -> None:
