@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 NEEDED_REFERENCE, NEEDED_TWO, NEEDED_MEMORY = 500.0, 1.8, 1.1
 REFERENCE_FRAMES = 400
+PARTS = ("reference", "two", "memory")
+"""Against the numpy reference; two processes against one; memory against flights."""
 SHORT = 12
 """Seconds of the flights over which memory is measured: the rows of a run are as many as for a long one."""
 
@@ -64,21 +66,23 @@ def main() -> None:
     parser.add_argument(
         "--repeat", type=int, default=3, help="of two processes against one, with a fifth of the flights"
     )
+    parser.add_argument("--only", choices=PARTS, action="append", default=[], help="this part; may be repeated")
     parser.add_argument("--one", nargs=3, type=int, metavar=("FLIGHTS", "WORKERS", "SECONDS"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
         print(json.dumps(_campaign(*options.one).__dict__))
         return
-    few = max(options.flights // 5, 200)
+    parts, few = options.only or PARTS, max(options.flights // 5, 200)
     _measured(200, 1)  # compiled, before anything is measured
-    references = [_reference()]
-    whole = _measured(options.flights, 2)
-    references.append(_reference())
-    pairs = [(_measured(few, 1), _measured(few, 2)) for _ in range(options.repeat)]
-    references.append(_reference())
-    _against_reference(whole, statistics.median(references))
-    _two_against_one(pairs)
-    _memory([_measured(factor * options.flights // 4, 2, SHORT) for factor in (1, 4, 16)])
+    if "reference" in parts:
+        references = [_reference()]
+        whole = _measured(options.flights, 2)
+        references += [_reference(), _reference()]
+        _against_reference(whole, statistics.median(references))
+    if "two" in parts:
+        _two_against_one([(_measured(few, 1), _measured(few, 2)) for _ in range(options.repeat)])
+    if "memory" in parts:
+        _memory([_measured(factor * options.flights // 4, 2, SHORT) for factor in (1, 4, 16)])
 
 
 def _against_reference(whole: Spent, reference: float) -> None:

@@ -19,7 +19,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,8 +67,12 @@ def output(command: str, folder: Path) -> str:
     done = subprocess.run([*start, *arguments], cwd=folder, capture_output=True, encoding="utf-8", env=environment)
     if bool(done.returncode) != failing:
         raise RuntimeError(f"{command}: exit code {done.returncode}\n{done.stderr}")
-    shown = done.stdout + done.stderr if failing else done.stdout
-    lines = [line.rstrip() for line in shown.strip("\n").split("\n")]
+    return shortened(done.stdout + done.stderr if failing else done.stdout, filters)
+
+
+def shortened(printed: str, filters: Iterable[str]) -> str:
+    """What was printed, as a page shows it: without spaces at the ends of lines, through filters (``head -5``)."""
+    lines = [line.rstrip() for line in printed.strip("\n").split("\n")]
     for name, count in (one.split() for one in filters):
         lines = lines[: abs(int(count))] if name == "head" else lines[-abs(int(count)) :]
     return "\n".join(lines)

@@ -125,9 +125,11 @@ def document(
     flights: Sequence[str] = FLIGHTS,
     seeds: Sequence[int] = SEEDS,
     duration: float = DURATION,
+    kinds: Sequence[str] = KINDS,
     progress: Callable[[str, float], None] | None = None,
 ) -> str:
     """The whole document: introduction, and for each flight a summary and the table. ``duration`` [s] of each run."""
+    chosen = [trial for trial in trials(seeds) if trial.fault.kind in kinds]
     parts = [introduction(len(seeds), duration)]
     for flight in flights:
 
@@ -135,7 +137,7 @@ def document(
             if progress is not None:
                 progress(flight, done)
 
-        results = run_trials(flight, trials(seeds), duration=duration, progress=tell)
+        results = run_trials(flight, chosen, duration=duration, progress=tell)
         parts.append(f"## {flight}\n\n{summary(results)}\n\n{table(results)}\n")
     return "\n".join(parts)
 
@@ -146,6 +148,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-o", "--output", type=Path, help="file to write; without it the table is printed")
     parser.add_argument("--flights", nargs="+", metavar="NAME", choices=shipped_recordings(), default=FLIGHTS, help="these")
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="of the noise")
+    parser.add_argument("--kinds", nargs="+", metavar="KIND", choices=KINDS, default=KINDS, help="of faults")
     parser.add_argument("--seconds", type=float, default=DURATION, help=f"of each run; the onset is at {ONSET:g} s")
     given = parser.parse_args(arguments)
     output: Path | None = given.output
@@ -153,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"--seconds {given.seconds:g} ends before the onset at {ONSET:g} s: write more")
     if output is not None and (output.is_dir() or not os.access(output.resolve().parent, os.W_OK)):
         parser.error(f"{output} cannot be written: name a file in a folder that exists and that you may write to")
-    text = _with_progress_bar(given.flights, given.seeds, given.seconds)
+    text = _with_progress_bar(given.flights, given.seeds, given.seconds, given.kinds)
     if output is None:
         print(text)
         return 0
@@ -161,14 +164,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _with_progress_bar(flights: Sequence[str], seeds: Sequence[int], duration: float) -> str:
+def _with_progress_bar(flights: Sequence[str], seeds: Sequence[int], duration: float, kinds: Sequence[str]) -> str:
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         tasks = {flight: bar.add_task(flight, total=1.0) for flight in flights}
-        return document(flights, seeds, duration, lambda flight, done: bar.update(tasks[flight], completed=done))
+
+        def tell(flight: str, done: float) -> None:
+            bar.update(tasks[flight], completed=done)
+
+        return document(flights, seeds, duration, kinds, tell)
 
 
 if __name__ == "__main__":
