@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 from pathlib import Path
 
@@ -31,5 +32,10 @@ def write_text(path: str | os.PathLike[str], text: str, what: str) -> None:
             "E601",
             f"{target}: {what} cannot be written",
             cause=error.strerror or str(error),
-            remedy="name a file in a folder that exists and that you may write to",
+            remedy=remedy_of(error, "name a file in a folder that exists and that you may write to"),
         ) from None
+
+
+def remedy_of(error: OSError, otherwise: str) -> str:
+    """What to do about a file that cannot be written: a full disk needs room, not another name."""
+    return "make room, or write to another disk" if error.errno in (errno.ENOSPC, errno.EDQUOT) else otherwise

@@ -9,27 +9,30 @@ import os
 import shutil
 import tempfile
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from saoflow.codegen.frame_operations import Cost, cost_of
 from saoflow.codegen.generate import About, Code, generate
 from saoflow.codegen.printer import Printed, print_file
 from saoflow.codegen.readme import readme
 from saoflow.codegen.self_check import exercise, self_check_file
 from saoflow.codegen.stack import describe, measured_stack, stack_bound
-from saoflow.diagnosis import Diagnosis, DiagnosisError
+from saoflow.diagnosis import Diagnosis, DiagnosisError, refusal
 from saoflow.diagrams.netlist import SourceLines
-from saoflow.operations import COUNTED_KINDS
 from saoflow.pipeline import LoadedSheet
-from saoflow.scheduler.counts import count
+from saoflow.scheduler.budget import BudgetReport
 from saoflow.scheduler.simulator import Simulator
+from saoflow.whole_file import remedy_of
 
 GENERATOR = "saoflow build"
 TRACE = "trace.json"
+WORK = ".saoflow-build-"
+"""How the names of folders begin in which files are made."""
 MOST_STACK = 1 << 20
 """Bytes of stack that a frame may take, as gcc -O0 lays it out (or as calculated, without gcc)."""
 
@@ -43,7 +46,7 @@ class Built:
     files: tuple[str, ...]
     real: int
     sheet_hash: str
-    kinds: Mapping[str, int]
+    cost: Cost
     stack: Mapping[str, int | None]
     stack_bound: int
     frames_checked: int
@@ -56,17 +59,17 @@ class Built:
             "files": list(self.files),
             "real": self.real,
             "sha256": self.sheet_hash,
-            "operations": sum(self.kinds.values()),
-            "kinds": dict(self.kinds),
+            "operations": self.cost.total,
+            "kinds": dict(self.cost.kinds),
+            "frames": list(self.cost.frames),
             "stack": dict(self.stack),
             "stack_bound": self.stack_bound,
             "frames_checked": self.frames_checked,
         }
 
     def __str__(self) -> str:
-        frame = f"{sum(self.kinds.values())} operations a frame in binary{self.real}"
         return (
-            f"{self.sheet}: {', '.join(self.files)} in {self.folder}\n{frame}; "
+            f"{self.sheet}: {', '.join(self.files)} in {self.folder}\n{self.cost.headline} in binary{self.real}; "
             f"stack: {describe(self.stack, self.stack_bound)}"
         )
 
@@ -78,13 +81,13 @@ def build(sheet: LoadedSheet, folder: str | Path, real: int = 64, inputs: Mappin
     """
     place = Path(folder)
     check_folder(place)
-    sheet.budget().raise_if_over()
+    report = sheet.budget()
+    report.raise_if_over()
     program = sheet.program(real)
-    kinds = {kind: n for kind, n in count(program).kinds.items() if n}
-    ordered = {kind: kinds[kind] for kind in COUNTED_KINDS if kind in kinds}
+    cost = cost_of(report)
     sheet_hash = hash_of(sheet.netlist.sources)
     doc = "\n".join(_wrapped(sheet.netlist.root.structure.doc))
-    code = generate(program, About(doc, sheet_hash, _facts(sheet, real, ordered)))
+    code = generate(program, About(doc, sheet_hash, _facts(sheet, real, report, cost)))
     simulator = Simulator(program)
     given = dict(inputs) if inputs is not None else exercise(program)
     frames = len(next(iter(given.values()))) if given else 8
@@ -98,8 +101,8 @@ def build(sheet: LoadedSheet, folder: str | Path, real: int = 64, inputs: Mappin
         bound = stack_bound(program)
         _check_stack(sheet.name, stack["-O0"], bound)
         names = (*(file.name for file in printed), "README.md", TRACE)
-        built = Built(sheet.name, str(place), names, real, sheet_hash, ordered, stack, bound, frames)
-        (work / "README.md").write_text(readme(code, program, built.kinds, describe(stack, bound)), encoding="utf-8")
+        built = Built(sheet.name, str(place), names, real, sheet_hash, cost, stack, bound, frames)
+        (work / "README.md").write_text(readme(code, program, cost, describe(stack, bound)), encoding="utf-8")
         trace = _trace(sheet, code, printed[0], sheet_hash, names)
         (work / TRACE).write_text(json.dumps(trace, indent=1), encoding="utf-8")
     return built
@@ -113,15 +116,14 @@ def hash_of(sources: SourceLines) -> str:
     return total.hexdigest()
 
 
-def _facts(sheet: LoadedSheet, real: int, kinds: Mapping[str, int]) -> tuple[str, ...]:
-    report = sheet.budget()
+def _facts(sheet: LoadedSheet, real: int, report: BudgetReport, cost: Cost) -> tuple[str, ...]:
     parameters = ", ".join(f"{name} = {value}" for name, value in sheet.netlist.parameters)
     limits = ", ".join(f"{line.kind} {line.limit:g}" for line in report.lines if line.limit is not None)
     lines = (
         "",
         f"Sheet {sheet.name}, reals of {real} bits. Made by saoflow; do not edit.",
         *((f"Parameters: {parameters}.",) if parameters else ()),
-        f"Operations a frame: {sum(kinds.values())} ({', '.join(f'{kind} {n}' for kind, n in kinds.items())}).",
+        f"Operations a frame: {cost.total} ({', '.join(f'{kind} {n}' for kind, n in cost.kinds.items())}){cost.which}.",
         f"Budget a frame: {limits or 'none stated'}.",
         *((f"Frame period: {report.period:g} s.",) if report.period is not None else ()),
         "Compile without contraction or reassociation: -std=c99 -ffp-contract=off, never -ffast-math.",
@@ -177,7 +179,7 @@ def check_folder(place: Path) -> None:
         return
     if not place.is_dir():
         raise _unwritable(place, "it is a file", "name a folder")
-    there = sorted(path.name for path in place.iterdir())
+    there = sorted(path.name for path in place.iterdir() if not path.name.startswith(WORK))
     if there and _written(place) is None:
         raise _unwritable(place, f"it holds other files: {', '.join(there[:4])}", "name a new or an empty folder")
 
@@ -193,35 +195,42 @@ def _written(place: Path) -> list[str] | None:
 
 
 @contextlib.contextmanager
-def _whole_folder(place: Path) -> Any:
-    """A folder beside ``place`` that takes its place when all is written. What the user put beside our files stays."""
+def _whole_folder(place: Path) -> Iterator[Path]:
+    """A folder whose files take their place when all are written. What the user put beside ours stays.
+
+    A folder that is there is filled, not replaced: a shell may stand in it (``-o .``), or a disk be mounted on it.
+    """
+    new = not place.exists()
+    work: Path | None = None
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        work = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.resolve().parent))
-    except OSError as error:
-        raise _unwritable(place, error.strerror or str(error), "name a folder that can be written") from None
-    try:
+        place.mkdir(parents=True, exist_ok=True)
+        work = Path(tempfile.mkdtemp(prefix=WORK, dir=place))
         yield work
-        work.chmod(0o755)
-        _replace(work, place.resolve())
+        _move(work, place)
     except OSError as error:
-        raise _unwritable(place, error.strerror or str(error), "name a folder that can be written") from None
+        raise refusal(
+            "E601",
+            f"`{place}` cannot be written",
+            cause=error.strerror or str(error),
+            remedy=remedy_of(error, "name a folder that can be written"),
+        ) from None
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        if work is not None:
+            shutil.rmtree(work, ignore_errors=True)
+        if new:
+            with contextlib.suppress(OSError):
+                place.rmdir()  # where nothing was written
 
 
-def _replace(work: Path, place: Path) -> None:
-    ours = set(_written(place) or ())
-    if not place.exists() or not any(place.iterdir()):
-        os.replace(work, place)
-        return
-    old = Path(tempfile.mkdtemp(prefix=f".{place.name}-old-", dir=place.parent))
-    os.replace(place, old)
-    os.replace(work, place)
-    for path in old.iterdir():
-        if path.name not in ours and not (place / path.name).exists():
-            os.replace(path, place / path.name)
-    shutil.rmtree(old, ignore_errors=True)
+def _move(work: Path, place: Path) -> None:
+    """The trace comes last: until then the folder is known as one of an earlier build."""
+    ours = _written(place) or ()
+    made = {path.name for path in work.iterdir()}
+    for name in sorted(made, key=lambda name: (name == TRACE, name)):
+        os.replace(work / name, place / name)
+        if name == TRACE:
+            for stale in set(ours) - made:
+                (place / stale).unlink(missing_ok=True)
 
 
 def _unwritable(place: Path, cause: str, remedy: str) -> DiagnosisError:

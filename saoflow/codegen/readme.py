@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from saoflow.codegen.frame_operations import Cost
 from saoflow.codegen.generate import Code
 from saoflow.codegen.printer import safe
 from saoflow.scheduler.program import FrameProgram, ProgramPort
@@ -12,12 +11,13 @@ from saoflow.wires import unit_suffix
 WARNINGS = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wfloat-equal -Werror"
 
 
-def readme(code: Code, program: FrameProgram, kinds: Mapping[str, int], stack: str) -> str:
+def readme(code: Code, program: FrameProgram, cost: Cost, stack: str) -> str:
     """The text of README.md."""
     face = code.interface
     name = face.prefix
     kind = "double (binary64)" if program.real == 64 else "float (binary32)"
-    counted = ", ".join(f"{n} {kind_}" for kind_, n in kinds.items())
+    counted = ", ".join(f"{n} {kind_}" for kind_, n in cost.kinds.items())
+    same = "Which frame runs what is fixed" if cost.frames else "Every frame executes the same operations"
     return f"""# {name}
 
 C99 of the sheet `{safe(program.sheet)}`, made by saoflow. Reals are {kind}. Do not edit; build again.
@@ -57,9 +57,9 @@ The caller owns all memory. `state` may be copied to save it and put back to res
 
 ## Cost and promises
 
-- {sum(kinds.values())} operations a frame: {counted or "none"}. {len(program.states)} values of state.
+- {cost.headline}: {counted or "none"}. {len(program.states)} values of state.
 - Stack: {stack}.
-- Every frame executes the same operations: no loop whose count depends on data, no recursion, no heap, no global
+- {same}: no loop whose count depends on data, no recursion, no heap, no global
   variable, no function pointer, no library. A look-up table searches in a fixed number of steps.
 - The bits of saoflow's interpreter, NaN, infinities, denormals and signed zeros included (any NaN equals any NaN), on
   IEEE-754 hardware that rounds to nearest and does not flush denormals to zero.

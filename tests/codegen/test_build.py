@@ -49,7 +49,7 @@ def test_estimators_are_clean(name: str, real: int, tmp_path: Path) -> None:
     inputs = {port: values[:3] for port, values in building.exercise(sheet.program(real)).items()}
     built = build(sheet, tmp_path / "out", real, inputs)
     assert built.frames_checked == 3 and built.real == real
-    assert built.kinds == {kind: n for kind, n in sheet.budget().tree.kinds.items() if n}
+    assert built.cost.kinds == {kind: n for kind, n in sheet.budget().tree.kinds.items() if n}
     assert_clean(*(tmp_path / "out").glob("*.c"))
 
 
@@ -201,6 +201,51 @@ def test_building_again_keeps_what_stands_beside(tmp_path: Path) -> None:
     build(sheet_of(tmp_path, SMALL), folder, 32)
     assert "float u;" in (folder / "small.h").read_text() and (folder / "notes.txt").read_text() == "mine"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["out", "sheet.yaml"]
+
+
+def test_the_folder_one_stands_in_is_filled_and_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet, folder = sheet_of(tmp_path, SMALL), tmp_path / "out"
+    folder.mkdir()
+    before = folder.stat().st_ino
+    monkeypatch.chdir(folder)
+    build(sheet, ".")
+    assert Path("small.c").exists() and folder.stat().st_ino == before
+    monkeypatch.setattr(building, "MOST_STACK", 100)
+    with pytest.raises(DiagnosisError, match="E610"):
+        build(sheet, ".")
+    assert len(list(folder.iterdir())) == 5  # what an earlier build wrote is there, and no more
+
+
+def test_stale_files_of_another_sheet_go(tmp_path: Path) -> None:
+    build(sheet_of(tmp_path, SMALL), tmp_path / "out")
+    build(sheet_of(tmp_path, SMALL.replace("sheet: small", "sheet: other")), tmp_path / "out")
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.[ch]")) == ["other.c", "other.h", "selfcheck.c"]
+
+
+RATES = """\
+sheet: rates
+inputs: [x]
+blocks:
+  even: {lag: x, every: 2, transition: hold}
+  third: {lag: x, every: 3, offset: 1, transition: delay}
+outputs: [even, third]
+"""
+LAG = "sheet: lag\ninputs: [x]\nblocks: {y: {add: [x, old]}, old: {delay: y}}\noutputs: [y]\n"
+
+
+def test_operations_of_several_rates_are_those_of_the_budget(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("rates.yaml").write_text(RATES)
+    Path("lag.yaml").write_text(LAG)
+    assert cli.run(["build", "rates.yaml", "-o", "out"]) == 0
+    # Frames of 6: 0, 2 and 4 run `even`, 1 and 4 run `third`; one addition each.
+    told = "2 operations in the dearest of 6 frames, 0.8 in the mean"
+    assert told in capsys.readouterr().out and told in Path("out/README.md").read_text()
+    assert "Operations a frame: 2 (add 2) in the dearest of 6 frames, 0.8 in the mean." in Path("out/rates.h").read_text()
+    assert "Every frame executes the same" not in Path("out/README.md").read_text()
+    assert saoflow.load("rates.yaml").budget().total == 2
 
 
 def test_nothing_is_left_of_a_build_that_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
