@@ -120,7 +120,7 @@ def _facts(sheet: LoadedSheet, real: int, report: BudgetReport, cost: Cost) -> t
     parameters = ", ".join(f"{name} = {value}" for name, value in sheet.netlist.parameters)
     limits = ", ".join(f"{line.kind} {line.limit:g}" for line in report.lines if line.limit is not None)
     lines = (
-        "",
+        *(("",) if sheet.netlist.root.structure.doc else ()),
         f"Sheet {sheet.name}, reals of {real} bits. Made by saoflow; do not edit.",
         *((f"Parameters: {parameters}.",) if parameters else ()),
         f"Operations a frame: {cost.total} ({', '.join(f'{kind} {n}' for kind, n in cost.kinds.items())}){cost.which}.",

@@ -138,7 +138,7 @@ class _Generator:
 
     def code(self) -> Code:
         face = self.interface
-        comment = "\n".join([self.about.doc, *self.about.lines, f"Sheets: sha256 {self.about.sheet_hash}."])
+        comment = "\n".join([*filter(None, [self.about.doc]), *self.about.lines, f"Sheets: sha256 {self.about.sheet_hash}."])
         header = File(f"{face.prefix}.h", comment, self._header_items(), f"{face.prefix.upper()}_H")
         items: list[Item] = [Include(header.name), *CONTRACTION, *self._frame(), self._init(), self._step()]
         return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)

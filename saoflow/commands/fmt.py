@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 from typing import Annotated
 
@@ -40,7 +41,7 @@ def _format(name: str, check: bool) -> bool:
     """Whether the file changes, or would. Raises DiagnosisError."""
     from saoflow.authoring.formatting import formatted
     from saoflow.diagrams.reader import file_text
-    from saoflow.whole_file import write_whole
+    from saoflow.whole_file import remedy_of, write_whole
 
     result = formatted(file_text(name), name).encode()
     if result == Path(name).read_bytes():
@@ -49,6 +50,8 @@ def _format(name: str, check: bool) -> bool:
         try:
             path = Path(name).resolve()
             mode = path.stat().st_mode
+            if not mode & 0o222:
+                raise PermissionError(errno.EACCES, "it is read-only")
             write_whole(path, result)
             path.chmod(mode)
         except OSError as error:
@@ -56,6 +59,6 @@ def _format(name: str, check: bool) -> bool:
                 "E601",
                 f"{name}: cannot be written",
                 cause=error.strerror or str(error),
-                remedy="make the file and its folder writable",
+                remedy=remedy_of(error, "make the file and its folder writable"),
             ) from None
     return True

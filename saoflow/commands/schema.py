@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from saoflow.commands.shell import Findings, finish
-from saoflow.diagnosis import refusal
 
 
 def schema(
@@ -23,21 +22,12 @@ def schema(
     Example: saoflow schema sheet -o sheet.schema.json
     """
     from saoflow.authoring.schema import schema_text
+    from saoflow.whole_file import write_text
 
     findings = Findings()
     text = findings.attempt(lambda: schema_text(name))
     if text is not None and output is not None:
-        findings.attempt(lambda: _write(output, text))
+        findings.attempt(lambda: write_text(output, text, "the schema"))
     elif text is not None:
         print(text, end="")
     finish(findings.found, False)
-
-
-def _write(output: str, text: str) -> None:
-    from saoflow.whole_file import write_whole
-
-    try:
-        write_whole(output, text.encode())
-    except OSError as error:
-        cause = error.strerror or str(error)
-        raise refusal("E601", f"{output} cannot be written", cause=cause, remedy="name a file in a folder that exists") from None

@@ -198,3 +198,12 @@ def test_the_command_formats_checks_and_refuses(
     assert cli.run(["fmt", "--check", "messy.yaml", "neat.yaml"]) == 0
     assert cli.run(["fmt", "nowhere.yaml"]) == 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.yaml", "messy.yaml", "neat.yaml"]
+
+
+def test_a_file_that_is_read_only_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "messy.yaml"
+    path.write_text(MESSY, encoding="utf-8")
+    path.chmod(0o444)
+    assert cli.run(["fmt", str(path)]) == 2
+    assert "error[E601]" in (told := capsys.readouterr().err) and "it is read-only" in told
+    assert path.read_text(encoding="utf-8") == MESSY
