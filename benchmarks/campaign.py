@@ -73,7 +73,7 @@ def main() -> None:
         print(json.dumps(_campaign(*options.one).__dict__))
         return
     parts, few = options.only or PARTS, max(options.flights // 5, 200)
-    _measured(200, 1)  # compiled, before anything is measured
+    _measured(min(200, options.flights), 1)  # compiled, before anything is measured
     if "reference" in parts:
         references = [_reference()]
         whole = _measured(options.flights, 2)

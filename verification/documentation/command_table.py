@@ -105,9 +105,10 @@ def few_runs(name: str) -> str:
     return re.sub(r"duration: \[\d+, \d+\]", "duration: [60, 66]", text)
 
 
-_COMPARE = 'saoflow compare "umhe_fte[n_detect=4..5]" ekf_fte --budget 3000 --campaign few/comparison.yaml -o out/compare.html'
+_COMPARE = 'saoflow compare "ekf_fte[n_detect=4..5]" --budget 2400 --campaign few/comparison.yaml -o out/compare.html'
 _PIP = "pip install --dry-run --no-index --no-build-isolation"
 _ABOUT_PIP = "from the checkout, what it needs looked for among what is installed, nothing written: tests ask no package index"
+_ABOUT_PAPERS = "the shortest paper takes ten seconds; tests/verification/papers/test_paper_*.py run the short form of each"
 _ABOUT_BITS = "tests/verification/bits/test_bits.py holds the flagships"
 
 FILLED = (
@@ -118,13 +119,13 @@ FILLED = (
     Filled("saoflow budget SHEET", ("saoflow budget airspeed.yaml --target mpc755",)),
     Filled(
         "saoflow budget SHEET --target NAME [--clock MHZ] [--share PART]",
-        ("saoflow budget cmhe_fte --target cortex-m7", "saoflow budget umhe_fte --target e500mc --clock 800 --share 0.5"),
+        ("saoflow budget umhe_fte --target cortex-m7", "saoflow budget umhe_fte --target e500mc --clock 800 --share 0.5"),
     ),
     Filled("saoflow view SHEET -o FILE.html", ("saoflow view airspeed.yaml -o airspeed.html --run readings.csv",)),
     Filled("saoflow view SHEET", ("saoflow new seen", "saoflow view seen.yaml")),
     Filled("saoflow verify SHEET", ("saoflow verify umhe_fte --frames 60",)),
     Filled("saoflow fly -o OUT", ("saoflow fly -o flight.csv.gz",)),
-    Filled("saoflow campaign FILE -o DIR", ("saoflow campaign few/monte_carlo.yaml -o out/monte_carlo",)),
+    Filled("saoflow campaign FILE -o DIR", ("saoflow campaign few/monte_carlo.yaml -o out/monte_carlo --workers 1",)),
     Filled("saoflow compare SHEET...", (_COMPARE,)),
     Filled("saoflow build SHEET -o DIR", ("saoflow build airspeed.yaml -o in_c",)),
     Filled("saoflow fmu SHEET", ("saoflow fmu airspeed.yaml",)),
@@ -158,22 +159,22 @@ SHORT = (
     # Campaigns of thousands of flights.
     Short(
         "saoflow campaign table_iv -o out/table_iv",
-        "saoflow campaign few/table_iv.yaml -o out/table_iv",
+        "saoflow campaign few/table_iv.yaml -o out/table_iv --workers 1",
         "270 runs of up to 700 s, whose flights JSBSim records first",
     ),
     Short(
         "saoflow campaign monte_carlo -o out/monte_carlo",
-        "saoflow campaign few/monte_carlo.yaml -o out/monte_carlo",
+        "saoflow campaign few/monte_carlo.yaml -o out/monte_carlo --workers 1",
         "10 000 runs",
     ),
     Short(
         "saoflow campaign detection -o out/detection",
-        "saoflow campaign few/detection.yaml -o out/detection",
+        "saoflow campaign few/detection.yaml -o out/detection --workers 1",
         "2240 runs, whose flights JSBSim records first",
     ),
     Short(
         "saoflow campaign mine.yaml -o out/mine --workers 2 --set n_detect=4",
-        "sed -i 's/- cmhe_fte/- ekf_fte/; s/part: 60/part: 35/' mine.yaml"
+        "sed -i 's/- cmhe_fte/- ekf_fte/; s/count: 4/count: 1/' mine.yaml"
         " && saoflow campaign mine.yaml -o out/mine --workers 2 --set n_detect=4",
         "the flagship compiled once more",
     ),
@@ -220,32 +221,12 @@ SHORT = (
         "four sheets, each elaborated at 19 horizons",
     ),
     Short(
-        "python -m verification.papers",
-        "python -m verification.papers -o docs/papers --short --only 002",
-        "all figures of four papers; tests/verification/papers holds the short form of each",
-    ),
-    Short(
-        "python -m verification.papers -o docs/papers",
-        "python -m verification.papers -o docs/papers --short --only 002",
-        "as above",
-    ),
-    Short(
         "python -m verification.demo.readme",
         "python -m verification.demo.readme docs/limits.md",
         "the README's numbers take minutes; another page, renewed in the same way",
     ),
     # Bits: a random sheet, and no flagship, or umhe_fte where there is no random sheet.
     Short("python -m verification.bits", 'python -m verification.bits --sheets 1 --flagship --target "gcc -O1"', _ABOUT_BITS),
-    Short(
-        "python -m verification.bits --frames 100000 --sheets 0 --target PowerPC ARM",
-        "python -m verification.bits --frames 20 --sheets 0 --target ARM --flagship umhe_fte",
-        _ABOUT_BITS,
-    ),
-    Short(
-        'python -m verification.bits --target "backend c"',
-        'python -m verification.bits --target "backend c" --sheets 1 --flagship',
-        _ABOUT_BITS,
-    ),
     Short(
         "python -m verification.bits --quick",
         'python -m verification.bits --quick --sheets 1 --flagship --target "clang -O2"',
@@ -287,6 +268,31 @@ ELSEWHERE = (
         "tests/verification/cleanliness/test_cleanliness.py",
         'main(["--quick", "--random", "1"])',
         "as above",
+    ),
+    Elsewhere(
+        "python -m verification.bits --frames 100000 --sheets 0 --target PowerPC ARM",
+        "tests/verification/bits/test_bits.py::test_the_flagship_has_the_interpreters_bits",
+        'compare_flagship("cmhe_fte"',
+        "seconds of cross compilers and emulators for every frame",
+    ),
+    Elsewhere(
+        'python -m verification.bits --target "backend c"',
+        "tests/verification/bits/test_bits.py::test_backend_c_has_the_interpreters_bits",
+        'compare_flagship("umhe_fte"',
+        "as above",
+    ),
+    Elsewhere(
+        "python -m verification.results.lean_table",
+        "tests/test_flagship_lean.py",
+        "lean_table.main([",
+        "the test counts the same sheets, and holds the page's table",
+    ),
+    Elsewhere("python -m verification.papers", "tests/verification/papers/test_document.py", "write_document(", _ABOUT_PAPERS),
+    Elsewhere(
+        "python -m verification.papers -o docs/papers",
+        "tests/verification/papers/test_document.py",
+        "write_document(",
+        _ABOUT_PAPERS,
     ),
     Elsewhere(
         "python -m saoflow.authoring.catalogue",
