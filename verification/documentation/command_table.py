@@ -302,6 +302,13 @@ ELSEWHERE = (
         always=True,
     ),
     Elsewhere(
+        "python -m verification.documentation.commands --whole",
+        "tests/verification/documentation/test_commands.py::test_the_command_line",
+        "main([",
+        "it would run itself",
+        always=True,
+    ),
+    Elsewhere(
         "saoflow campaign FILE --dask ADDRESS",
         "tests/verification/campaigns/test_dask.py",
         "run_campaign",
