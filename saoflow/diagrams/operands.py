@@ -24,6 +24,7 @@ from saoflow.diagrams.expression import (
 )
 from saoflow.diagrams.expression_value import Quantity, names_in
 from saoflow.diagrams.netlist import POISON, Node
+from saoflow.diagrams.parameter_arithmetic import CONSTANTS
 from saoflow.diagrams.scope import POISONED, Ports, Scope
 
 SELECT, TRANSPOSE, DIAGONAL = SYMBOLS["select"], SYMBOLS["transpose"], SYMBOLS["diagonal"]
@@ -128,6 +129,8 @@ class Operands:
             return self._only_port(ports, name)
         if name.text in scope.parameters:
             return self._parameter(name)
+        if name.text in CONSTANTS:
+            return self.constant(CONSTANTS[name.text], name.position)
         return scope.unknown_wire(name.text, name.position)
 
     def _parameter(self, name: Name) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from saoflow.diagnosis import Position, did_you_mean
+from saoflow.diagnosis import Note, Position, did_you_mean
 from saoflow.diagrams.expression import Expression
 from saoflow.diagrams.expression_value import Quantity, names_in
 from saoflow.diagrams.loops import is_loop, strong_components
@@ -41,6 +41,7 @@ def settle(
     """
     names = {**scope.parameters, **extra}
     given: dict[str, Quantity] = {}
+    places: dict[str, Position] = {}
     failed: set[str] = set()
     fine = True
     declared = {p.name.text: p for p in sheet.parameters}
@@ -64,7 +65,8 @@ def settle(
             failed.add(name)
         else:
             given[name] = checked
-    values = complete(scope, sheet, given, scope.parameters, used, scope.broken_parameters | failed)
+            places[name] = argument.position
+    values = complete(scope, sheet, given, scope.parameters, used, scope.broken_parameters | failed, places)
     return values if fine and not failed and not values.broken else None
 
 
@@ -75,29 +77,35 @@ def complete(
     around: Mapping[str, Quantity],
     used: Position | None,
     silent: set[str],
+    places: Mapping[str, Position] | None = None,
 ) -> ParameterValues:
     """Add inherited values and defaults to what is given. Defaults may use the other parameters of the sheet.
 
-    ``silent`` names parameters around whose absence is already diagnosed.
+    ``silent`` names parameters around whose absence is already diagnosed; ``places`` tells where what is given stands.
     """
+    places = places or {}
     values: dict[str, Quantity] = {}
     ordered, broken = _by_dependence(scope, sheet, given)
     for declaration in ordered:
         name = declaration.name.text
         quantity: Quantity | None = None
+        place, source = places.get(name), ""
         if name in given:
             quantity = given[name]
+            source = "" if place is not None else ", as it is given to the sheet (`--set`)"
         elif declaration.value is not None:
+            place = declaration.value.position
             if not _uses_any(declaration.value, broken):
                 quantity = scope.value_of(declaration.value, values)
             if quantity is not None:
                 quantity = _with_unit(scope, quantity, declaration, declaration.value.position)
         elif declaration.inherited and name in around:
+            place, source = used, ", inherited from this sheet"
             quantity = _with_unit(scope, around[name], declaration, declaration.name.position)
         elif name not in silent:
             _no_value(scope, sheet, declaration, used)
         if quantity is not None and not _uses_any(declaration.range, broken):
-            quantity = quantity if _in_range(scope, quantity, declaration, values) else None
+            quantity = quantity if _in_range(scope, quantity, declaration, values, place, source) else None
         if quantity is None:
             broken.append(name)
         else:
@@ -140,26 +148,43 @@ def _by_dependence(
 
 
 def _in_range(
-    scope: Scope, quantity: Quantity, declaration: ParameterDeclaration, values: Mapping[str, Quantity]
+    scope: Scope,
+    quantity: Quantity,
+    declaration: ParameterDeclaration,
+    values: Mapping[str, Quantity],
+    place: Position | None,
+    source: str,
 ) -> bool:
-    """Whether every element lies in the declared range; diagnosed (E208) if not."""
+    """Whether every element lies in the declared range; diagnosed (E208) if not.
+
+    ``place``: where the value stands, or the sheet that inherits it is used; None if it comes from no sheet (``--set``).
+    ``source``: a word about that for the diagnosis.
+    """
     if declaration.range is None or quantity.text is not None:
         return True
     limits = scope.value_of(declaration.range, values)
     if limits is None:
         return False
+    name, declared = declaration.name.text, declaration.range.position
     pair = np.ravel(np.asarray(limits.array, dtype=np.float64))
+    if pair.size != 2:
+        scope.report(
+            "E208", f"the range of parameter `{name}` is no pair", declared, f"it has {pair.size} number{'' if pair.size == 1 else 's'}", "write range: [least, most]"
+        )
+        return False
     array = np.asarray(quantity.array, dtype=np.float64)
-    if pair.size == 2 and np.all((array >= pair[0]) & (array <= pair[1])):
+    outside = np.argwhere(~((array >= pair[0]) & (array <= pair[1])))
+    if not len(outside):
         return True
-    shown = f"{float(array):g}" if not array.ndim else "an array with elements outside"
-    cause = f"it is {shown}, and must lie in {pair[0]:g} to {pair[1]:g}" if pair.size == 2 else "its range is no pair"
+    element = tuple(outside[0])
+    which = f"element [{', '.join(map(str, element))}]" if element else "it"
     scope.report(
         "E208",
-        f"parameter `{declaration.name.text}` is out of its range",
-        declaration.range.position,
-        cause,
-        "give a value inside the range" if pair.size == 2 else "write range: [least, most]",
+        f"parameter `{name}` is out of its range",
+        place or declared,
+        f"{which} is {float(array[element]):g}{source}, and must lie in {pair[0]:g} to {pair[1]:g}",
+        "give a value inside the range",
+        notes=[Note("its range is declared here", declared)] if place is not None else (),
     )
     return False
 

@@ -110,11 +110,8 @@ class Scope:
         """Diagnose a name that means nothing here."""
         if name in self.broken_parameters:
             return POISON
-        near = did_you_mean(name, self.known())
-        return self.report(
-            "E202",
-            f"unknown wire `{name}`",
-            position,
-            "the sheet has no input, block or parameter of that name",
-            near or "declare it, or correct the name",
-        )
+        remedy = did_you_mean(name, self.known()) or "declare it, or correct the name"
+        if name.lower() in ("true", "false"):
+            remedy = f"give the constant a block: {{constant: {int(name.lower() == 'true')}, type: boolean}}"
+        cause = "the sheet has no input, block or parameter of that name"
+        return self.report("E202", f"unknown wire `{name}`", position, cause, remedy)
