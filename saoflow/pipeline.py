@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from saoflow.collector import collector_paused
-from saoflow.diagnosis import Diagnosis, DiagnosisError, Position, did_you_mean
+from saoflow.diagnosis import Diagnosis, DiagnosisError, Note, Position, did_you_mean
 from saoflow.diagrams.expression_parser import parse_expression
 from saoflow.diagrams.expression_value import Quantity, evaluate
 from saoflow.diagrams.sheet import Sheet
@@ -97,8 +97,30 @@ class LoadedSheet:
         return {port.name: body.type_of(port.wire) for port in body.structure.outputs}
 
     def check(self) -> None:
-        """Read, elaborate and order. Raises DiagnosisError."""
-        _ = self.schedule
+        """Read, elaborate and order. Raises DiagnosisError; where what is given makes the errors, the last one says so."""
+        try:
+            _ = self.schedule
+        except DiagnosisError as error:
+            blame = self._blame(error) if self.given else None
+            if blame is None:
+                raise
+            raise DiagnosisError([*error.diagnoses, blame]) from None
+
+    def _blame(self, error: DiagnosisError) -> Diagnosis | None:
+        """Errors deep inside say little about the value that is to blame: a word about it, if without it there are none."""
+        if any(d.position is None or d.code == "E208" for d in error.diagnoses):
+            return None  # they name the value themselves
+        try:
+            LoadedSheet(self.sheet, self.store).check()
+        except DiagnosisError:
+            return None
+        given = ", ".join(f"{name} = {_shown(value)}" for name, value in self.given.items())
+        declared = [p for p in self.sheet.parameters if p.name.text in self.given]
+        notes = tuple(
+            Note(f"`{p.name.text}`{f', {p.doc},' if p.doc else ''} is declared here", p.name.position) for p in declared
+        )
+        cause = "without what is given (`--set`), the sheet has no errors"
+        return Diagnosis("E603", f"`{self.name}` cannot be with {given}", None, cause, "give another value", notes=notes)
 
     def budget(self) -> BudgetReport:
         """Operations per frame by kind and by sub-sheet, against the sheet's budget."""
@@ -143,6 +165,12 @@ class LoadedSheet:
         from saoflow.diagrams.graph import netlist_graph
 
         return netlist_graph(self.netlist)
+
+
+def _shown(value: Quantity) -> str:
+    """A given value in few characters."""
+    array = np.asarray(value.array)
+    return value.text or (f"{float(array):g}" if not array.ndim else f"an array of {array.size}")
 
 
 def load(name: str, parameters: Mapping[str, Any] | None = None) -> LoadedSheet:

@@ -40,3 +40,20 @@ def test_a_value_given_from_outside_is_told_where_its_range_is_declared(tmp_path
     (found,) = caught.value.diagnoses
     assert found.position is not None and (found.position.line, found.position.column) == (2, 35)
     assert "`--set`" in found.cause and "it is 9" in found.cause
+
+
+def test_errors_that_a_given_value_makes_are_laid_at_its_door(tmp_path: Path) -> None:
+    path = tmp_path / "taps.yaml"
+    text = "sheet: taps\nparameters: {n: {value: 2, doc: how many}}\ninputs: {x: {shape: [n]}}\nblocks: {y: {sum_of: x, n: n}}\noutputs: [y]\n"
+    path.write_text(text)
+    for given in ({"n": 2.5}, {"n": 0}):
+        with pytest.raises(DiagnosisError) as caught:
+            load(str(path), given).check()
+        assert [d.code for d in caught.value.diagnoses[:-1]].count("E603") == 0
+        last = caught.value.diagnoses[-1]
+        assert last.code == "E603" and last.message == f"`taps` cannot be with n = {given['n']:g}"
+        assert [(n.text, n.position and n.position.line) for n in last.notes] == [("`n`, how many, is declared here", 2)]
+    path.write_text(text.replace("[y]", "[z]"))  # a sheet that is wrong anyway
+    with pytest.raises(DiagnosisError) as caught:
+        load(str(path), {"n": 0}).check()
+    assert "E603" not in [d.code for d in caught.value.diagnoses]
