@@ -174,7 +174,7 @@ SHORT = (
     ),
     Short(
         "saoflow campaign mine.yaml -o out/mine --workers 2 --set n_detect=4",
-        "sed -i 's/- cmhe_fte/- ekf_fte/; s/count: 4/count: 1/' mine.yaml"
+        "sed -i 's/- cmhe_fte/- ekf_fte/; /umhe_fte/d; s/count: 4/count: 1/' mine.yaml"
         " && saoflow campaign mine.yaml -o out/mine --workers 2 --set n_detect=4",
         "the flagship compiled once more",
     ),
@@ -328,6 +328,7 @@ ENDS = (
 
 NEEDS = (
     Needs('SAOFLOW_CC="clang -O2" saoflow run --backend c ...', "clang"),
+    Needs("saoflow run --backend c", "cc"),
     Needs("make demo", "make"),
 )
 

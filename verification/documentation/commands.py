@@ -202,7 +202,7 @@ def run_step(step: Step, folder: Path, patience: float | None = PATIENCE) -> str
 def run(command: str, folder: Path, patience: float | None = PATIENCE) -> subprocess.CompletedProcess[str]:
     """Type one command in a folder. Raises TimeoutExpired."""
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))},
         "PATH": os.pathsep.join((str(folder / ".bin"), str(Path(sys.executable).parent), os.environ.get("PATH", ""))),
         "COLUMNS": "100",
         "PYTHONIOENCODING": "utf-8",
