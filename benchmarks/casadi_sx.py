@@ -87,7 +87,7 @@ class Frames:
 
     def casadi(self, text: str, compiler: Compiler) -> tuple[Side, np.ndarray]:
         """C that CasADi generated, with a compiler, and its outputs."""
-        library = ctypes.CDLL(str(compiled(text, compiler, cache_folder())))
+        library = ctypes.CDLL(str(compiled([text], compiler, cache_folder())))
         loop = library.casadi_run
         loop.argtypes = [ctypes.c_void_p] * 4 + [ctypes.c_long]
         out = np.empty((self.frames, self.width))

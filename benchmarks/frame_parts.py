@@ -26,7 +26,7 @@ import numpy as np
 import saoflow
 from saoflow.cache import Folder, cache_folder
 from saoflow.codegen.compiler import Compiler, compiled
-from saoflow.codegen.generate import native_file
+from saoflow.codegen.generate import native_files
 from saoflow.codegen.native import NativeSimulator
 from saoflow.codegen.objects import Objects
 from saoflow.codegen.printer import print_file
@@ -49,8 +49,8 @@ class _Variant(Objects):
     def path(self, lanes: int) -> Path:
         """One flight alone is asked for."""
         placed: bool = object.__getattribute__(self, "placed")
-        text = print_file(native_file(self.program, lanes, placed), traced=False).text
-        return compiled(text, self.compiler, self.folder)
+        texts = [print_file(file, traced=False).text for file in native_files(self.program, lanes, placed)]
+        return compiled(texts, self.compiler, self.folder)
 
 
 def replaced(program: FrameProgram, change: Callable[[Operation], Operation]) -> FrameProgram:

@@ -24,6 +24,7 @@ from saoflow.diagrams.content_key import digest
 STRICT = ("-std=gnu99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-w")
 """Every operation rounded as written; code that loads anywhere; no warnings (``saoflow build`` is what is checked)."""
 
+ANOTHER = "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`"
 ROOM = "make room there, or set XDG_CACHE_HOME to a folder with room; or use backend `interpreter`"
 
 
@@ -130,36 +131,61 @@ def object_name(source: str, compiler: Compiler) -> str:
     return f"{digest(source, *compiler.flags, *compiler.command, compiler.version, machine())}.so"
 
 
-def compiled(text: str, compiler: Compiler, folder: Folder) -> Path:
-    """The shared object of a C text, from the folder or made now. Raises DiagnosisError E607."""
-    name = object_name(digest(text), compiler)
+def compiled(texts: Sequence[str], compiler: Compiler, folder: Folder) -> Path:
+    """The shared object of C files, from the folder or made now, several files at the same time. Raises DiagnosisError E607."""
+    name = object_name(digest(*texts), compiler)
     if folder.read(name) is not None:
         return folder.path / name
     folder.tidy()
     try:
         with tempfile.TemporaryDirectory(prefix=part_prefix(), dir=folder.path) as work, _told(compiler):
-            source, target = Path(work) / "frame.c", Path(work) / "frame.so"
-            source.write_text(text, encoding="ascii")
-            _call([*compiler.command, *compiler.flags, str(source), "-o", str(target)], compiler, folder)
+            sources = [Path(work) / f"frame{k}.c" for k in range(len(texts))]
+            for source, text in zip(sources, texts, strict=True):
+                source.write_text(text, encoding="ascii")
+            target = Path(work) / "frame.so"
+            _make(sources, target, compiler, folder)
             return folder.write(name, target.read_bytes())
     except OSError as error:
         raise _failed(compiler, f"{error.strerror or error} ({folder.path})", ROOM) from None
 
 
-def _call(command: Sequence[str], compiler: Compiler, folder: Folder) -> None:
+def _make(sources: Sequence[Path], target: Path, compiler: Compiler, folder: Folder) -> None:
+    whole = [*compiler.command, *compiler.flags]
+    if len(sources) == 1:
+        _call([[*whole, str(sources[0]), "-o", str(target)]], compiler, folder)
+    else:
+        objects = [source.with_suffix(".o") for source in sources]
+        part = [word for word in whole if word != "-shared"]
+        pairs = zip(sources, objects, strict=True)
+        _call([[*part, "-c", str(source), "-o", str(made)] for source, made in pairs], compiler, folder)
+        _call([[*whole, *map(str, objects), "-o", str(target)]], compiler, folder)
+    wrong = wrong_library(target)
+    if wrong:
+        raise _failed(compiler, wrong, ANOTHER)
+
+
+def _call(commands: Sequence[Sequence[str]], compiler: Compiler, folder: Folder) -> None:
+    """All commands at once; what the first one says that fails."""
     # The compiler's own temporary files go beside the source: a compile that is killed leaves one folder, not more.
-    place = {**os.environ, "TMPDIR": os.path.dirname(command[-1])}
-    done = subprocess.run(
-        command, capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL, env=place
-    )
-    wrong = "" if done.returncode else wrong_library(command[-1])
-    if not wrong and done.returncode == 0:
-        return
-    lines = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:3]
-    said = wrong or "; ".join(lines) or f"it {ending(done.returncode)} and says nothing"
-    if os.strerror(errno.ENOSPC) in said:
-        raise _failed(compiler, f"{said} ({folder.path})", ROOM)
-    raise _failed(compiler, said, "try another compiler (SAOFLOW_CC=clang), or use backend `interpreter`")
+    place = {**os.environ, "TMPDIR": os.path.dirname(commands[0][-1])}
+    with contextlib.ExitStack() as running:
+        calls: list[subprocess.Popen[str]] = []
+        for command in commands:
+            call = running.enter_context(
+                subprocess.Popen(
+                    command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                    text=True, errors="replace", env=place,
+                )
+            )  # fmt: skip
+            running.callback(call.kill)  # after an interrupt; nothing where it has ended
+            calls.append(call)
+        ended = [(call.communicate(), call.returncode) for call in calls]
+    for (out, errors), code in ended:
+        if code:
+            lines = [line for line in (errors or out).splitlines() if line.strip()][:3]
+            said = "; ".join(lines) or f"it {ending(code)} and says nothing"
+            full = os.strerror(errno.ENOSPC) in said
+            raise _failed(compiler, f"{said} ({folder.path})" if full else said, ROOM if full else ANOTHER)
 
 
 def wrong_library(path: str | os.PathLike[str]) -> str:

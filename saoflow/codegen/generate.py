@@ -6,6 +6,7 @@ operation becomes one statement on ``const`` locals, so that a compiler without 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from saoflow.codegen.dialect import Dialect, Lanes, Scalar
@@ -70,16 +71,23 @@ def generate(program: FrameProgram, about: About) -> Code:
     return _Generator(program, about, Scalar(program.real)).code()
 
 
-def native_file(program: FrameProgram, lanes: int = 0, placed: bool = False) -> File:
-    """One file for this machine: a frame, and the loop over frames (:mod:`saoflow.codegen.runner`).
+LARGE = 1000
+"""Operations of procedures beyond which they are a file of their own."""
+HIDDEN = '__attribute__((visibility("hidden")))'
+
+
+def native_files(program: FrameProgram, lanes: int = 0, placed: bool = False) -> tuple[File, ...]:
+    """C for this machine: a frame, and the loop over frames (:mod:`saoflow.codegen.runner`).
 
     ``lanes``: so many flights side by side in every value; 0: one flight, with the statements of the code that flies. Look-ups
     find their interval faster here (:mod:`saoflow.codegen.guided_tables`). ``placed``: procedures are laid out where they are
-    called (:mod:`saoflow.codegen.inlining`). Every bit is the same.
+    called (:mod:`saoflow.codegen.inlining`); else many of them are a file of their own, so that two processors compile, while
+    somebody waits for the first frame. Every bit is the same.
     """
     dialect = Lanes(program.real, lanes) if lanes else Scalar(program.real)
     inlined = placed_procedures(program) if placed else frozenset()
-    return _Generator(program, About("", "", ()), dialect, True, inlined).native()
+    apart = not placed and sum(len(body.operations) for body in program.procedures) > LARGE
+    return _Generator(program, About("", "", ()), dialect, True, inlined).native(apart)
 
 
 CONTRACTION = (
@@ -143,13 +151,21 @@ class _Generator:
         items: list[Item] = [Include(header.name), *CONTRACTION, *self._frame(), self._init(), self._step()]
         return Code(header, File(f"{face.prefix}.c", comment, tuple(items)), face)
 
-    def native(self) -> File:
-        """The frame and its runner in one file, nothing of it visible but the runner."""
+    def native(self, apart: bool) -> tuple[File, ...]:
+        """The frame and its runner, nothing of it visible but the runner; the procedures in the same file or one before it."""
         face, lanes = self.interface, self.dialect if isinstance(self.dialect, Lanes) else None
+        head = [*strictness(), *self._lane_types(lanes)]
         structs = [item for item in self._header_items() if isinstance(item, Struct)]
-        frame = [*self._frame(), replace(self._step(), static=True)]
-        items = [*strictness(), *self._lane_types(lanes), *structs, *frame, runner(self.program, face, lanes)]
-        return File(f"{face.prefix}.c", "", tuple(items))
+        frame = [replace(self._step(), static=True), runner(self.program, face, lanes)]
+        if not apart:
+            return (File(f"{face.prefix}.c", "", (*head, *structs, *self._frame(), *frame)),)
+        shared = [replace(p, static=False, type=f"{HIDDEN} {p.type}") for p in self._procedures()]
+        declared = [replace(procedure, body=None, comment="") for procedure in shared]
+        (group,) = self.program.groups
+        return (
+            File(f"{face.prefix}_procedures.c", "", (*head, *self._tables(self.program.procedures), *shared)),
+            File(f"{face.prefix}.c", "", (*head, *structs, *self._tables([group.body]), *declared, *frame)),
+        )
 
     def _lane_types(self, lanes: Lanes | None) -> tuple[Item, ...]:
         if lanes is None:
@@ -158,16 +174,23 @@ class _Generator:
 
     def _frame(self) -> list[Item]:
         """The tables and the procedures."""
+        return [*self._tables(self.program.bodies), *self._procedures()]
+
+    def _tables(self, bodies: Sequence[ProgramBody]) -> list[Item]:
+        """The tables that are read there."""
+        read = {op.detail for body in bodies for op in body.operations if op.kind is Kind.LOOKUP}
+        lanes = self.dialect.count if isinstance(self.dialect, Lanes) else 0
         items: list[Item] = []
-        for name, table in zip(self.tables, self.program.tables, strict=True):
+        for number in sorted(read):
+            name, table = self.tables[number], self.program.tables[number]
             if self.guided:
-                lanes = self.dialect.count if isinstance(self.dialect, Lanes) else 0
                 items += native_table_items(name, table, self.program.real, lanes)
             else:
                 items += table_items(name, table, self.program.real)
-        for i, body in enumerate(self.program.procedures):
-            items.append(self._procedure(i, body))
         return items
+
+    def _procedures(self) -> list[Function]:
+        return [self._procedure(i, body) for i, body in enumerate(self.program.procedures)]
 
     # -- the header
 

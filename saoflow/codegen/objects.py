@@ -81,14 +81,15 @@ class Objects:
             name = object_name(known.decode("ascii"), self.compiler)
             if self.folder.read(name) is not None:
                 return self.folder.path / name
-        from saoflow.codegen.generate import native_file
+        from saoflow.codegen.generate import native_files
         from saoflow.codegen.printer import print_file
 
         with collector_paused():
-            text = print_file(native_file(self.program, lanes, placed), traced=False).text
-        path = compiled(text, self.compiler, self.folder)
+            files = native_files(self.program, lanes, placed)
+            texts = [print_file(file, traced=False).text for file in files]
+        path = compiled(texts, self.compiler, self.folder)
         if self.key:
-            _keep(self.folder, note, digest(text).encode("ascii"))
+            _keep(self.folder, note, digest(*texts).encode("ascii"))
         return path
 
 
