@@ -7,6 +7,8 @@
 VENV := .venv
 BIN := $(VENV)/bin
 OLDEST := 11
+# Byte code at once: where Python is told to write none, every start would compile every module anew.
+COMPILED := $(BIN)/python -m compileall -q saoflow verification
 
 .PHONY: help demo test lint docs clean
 
@@ -45,11 +47,13 @@ $(BIN)/python:
 $(VENV)/.installed: pyproject.toml | $(BIN)/python
 	@echo "Installing saoflow and what it needs (once; a minute or so) ..."
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@$(COMPILED)
 	@touch $@
 
 $(VENV)/.installed-test: pyproject.toml | $(BIN)/python
 	@echo "Installing saoflow and what its tests need (once; a few minutes) ..."
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@$(COMPILED)
 	@touch $(VENV)/.installed $@
 
 clean:
