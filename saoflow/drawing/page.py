@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
 
 FOLDER = Path(__file__).parent / "browser"
-SCRIPTS = ("layout.js", "render.js", "player.js")
+SCRIPTS = ("layout.js", "render.js", "player.js", "layouter.js")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -39,7 +39,8 @@ def open_page(browser: Any, path: Path, width: int = 1400) -> tuple[Any, list[st
     troubles: list[str] = []
     page.on("console", lambda message: troubles.append(message.text) if message.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: troubles.append(str(error)))
-    page.on("request", lambda request: troubles.append(request.url) if not request.url.startswith("file:") else None)
+    # A blob is a piece of the page itself: the worker that lays out.
+    page.on("request", lambda request: troubles.append(request.url) if not request.url.startswith(("file:", "blob:")) else None)
     page.goto(path.as_uri())
     page.wait_for_function("() => !!globalThis.saoView", timeout=60_000)
     return page, troubles
@@ -127,6 +128,48 @@ def test_a_deep_link_opens_where_it_points(browser: Any, flagship: tuple[Path, n
     page.goto(flagship[0].as_uri() + "#step3.ip[1].backward[0]")
     page.wait_for_function("() => globalThis.saoView && saoView.here().path === 'step3.ip[1].backward[0]'")
     assert page.inner_text("#panel h2") == "backward_stage"
+    page.close()
+
+
+@needs_chromium
+def test_the_page_is_the_same_without_a_worker(browser: Any, flagship: tuple[Path, np.ndarray], tmp_path: Path) -> None:
+    """Workers refused by the browser, or by a policy: elkjs runs in the page."""
+    drawn = "() => [document.querySelector('#sheet').innerHTML, document.querySelector('#sheet').getAttribute('viewBox')]"
+    page, troubles = open_page(browser, flagship[0])
+    with_worker = page.evaluate(drawn)
+    assert len(page.workers) == 1 and troubles == []
+    page.close()
+    text = flagship[0].read_text(encoding="utf-8")
+    assert text.count("<script>") == 3 and text.count("; worker-src blob:") == 1
+    without = {
+        "none": text.replace("<script>", "<script>globalThis.Worker = class { constructor() { throw new Error('none'); } };", 1),
+        "refused": text.replace("; worker-src blob:", ""),
+    }
+    for name, changed in without.items():
+        path = tmp_path / f"{name}.html"
+        path.write_text(changed, encoding="utf-8")
+        page, _ = open_page(browser, path)
+        assert page.evaluate(drawn) == with_worker
+        assert page.evaluate("typeof ELK") == "function" and page.workers == []
+        page.close()
+
+
+@needs_chromium
+def test_letters_too_small_to_read_are_left_out_until_one_looks_closer(browser: Any, tmp_path: Path) -> None:
+    blocks = "".join(f"  w{k}: {{add: [{'x' if k == 0 else f'w{k - 1}'}, 1]}}\n" for k in range(150))
+    (tmp_path / "s.yaml").write_text(f"sheet: s\ninputs: [x]\nblocks:\n{blocks}outputs: [w149]\n")
+    assert run(["view", str(tmp_path / "s.yaml"), "-o", str(tmp_path / "s.html")]) == 0
+    page, troubles = open_page(browser, tmp_path / "s.html")
+    name = page.locator("text.wire-name").first
+    assert name.is_hidden()
+    for _ in range(6):
+        page.keyboard.press("+")
+    assert name.is_visible()
+    page.keyboard.press("f")
+    assert name.is_hidden()
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert name.is_visible()
+    assert troubles == []
     page.close()
 
 

@@ -3,18 +3,17 @@
 (async () => {
   const $ = (id) => document.getElementById(id);
   const esc = SAO.escape;
-  const unpack = async (id, binary) => {
-    const bytes = Uint8Array.from(atob($(id).textContent.trim()), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const response = new Response(stream);
-    return binary ? response.arrayBuffer() : response.text();
+  const bytesOf = (text) => {
+    if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+    const from = atob(text), bytes = new Uint8Array(from.length);
+    for (let k = 0; k < from.length; k++) bytes[k] = from.charCodeAt(k);
+    return bytes;
   };
-  const script = (text) => { const s = document.createElement("script"); s.textContent = text; document.head.append(s); s.remove(); };
+  const unpack = (id) => new Response(new Blob([bytesOf($(id).textContent)]).stream().pipeThrough(new DecompressionStream("gzip")));
 
-  const [data, elkText] = await Promise.all([unpack("data").then(JSON.parse), unpack("elk")]);
-  script(elkText);
-  const elk = new ELK();
-  const layouts = new Map();
+  const layouter = unpack("elk").blob().then((code) => new SAO.Layouter(code));
+  const data = await unpack("data").json();
+  const layouts = new Map(), laidOut = new Set();
   const sheet = $("sheet");
   let player = null, pins = [], chosen = null, here = null, view = null, wanted = 0;
   const show = { heat: false, values: !!data.run };
@@ -53,10 +52,10 @@
     return "wire";
   };
 
-  async function layoutOf(number) {
+  function layoutOf(number) {
     if (!layouts.has(number)) {
-      const drawing = data.drawings[number];
-      layouts.set(number, elk.layout(SAO.graph(drawing, typesOf(drawing), !!data.run)));
+      const drawing = data.drawings[number], graph = SAO.graph(drawing, typesOf(drawing), !!data.run);
+      layouts.set(number, layouter.then((l) => l.layout(graph)).finally(() => laidOut.add(number)));
     }
     return layouts.get(number);
   }
@@ -65,20 +64,19 @@
     const turn = ++wanted;
     const steps = walk(path), at = steps[steps.length - 1];
     const drawing = data.drawings[at.drawing];
-    $("busy").hidden = layouts.has(at.drawing);
+    $("busy").hidden = laidOut.has(at.drawing);
     crumbs(steps);
-    await new Promise((done) => setTimeout(done));
     const layout = await layoutOf(at.drawing);
     if (turn !== wanted) return;
     $("busy").hidden = true;
     here = { ...at, drawing, number: at.drawing, layout, types: typesOf(drawing), steps };
-    sheet.innerHTML = SAO.MARKER + SAO.render(drawing, layout, here.types);
     chosen = null;
-    if (!keepView) fit();
+    if (!keepView) fit();  // before anything is in it: what is drawn is laid out once, in its size
+    sheet.innerHTML = SAO.MARKER + SAO.render(drawing, layout, here.types);
     if (decodeURIComponent(location.hash.slice(1)) !== at.path) history.pushState(null, "", "#" + encodeURI(at.path));
     document.title = `${at.name} · ${data.title}`;
     about();
-    paint();
+    if (player || pins.length || show.heat) paint();
     document.body.dataset.ready = at.path || "root";
   }
 
@@ -94,8 +92,10 @@
     view = { x: (width - box.width / scale) / 2, y: (height - box.height / scale) / 2, scale };
     look();
   }
+  const FAR = 0.1;  // below this scale letters are a pixel high: they are left out, which makes large sheets quick
   function look() {
     const box = sheet.getBoundingClientRect();
+    sheet.classList.toggle("far", view.scale < FAR);
     sheet.setAttribute("viewBox", `${view.x} ${view.y} ${box.width / view.scale} ${box.height / view.scale}`);
   }
   function zoom(factor, x, y) {
@@ -117,7 +117,11 @@
   });
   addEventListener("pointerup", () => setTimeout(() => (drag = null)));
   addEventListener("resize", () => here && look());
-  addEventListener("beforeprint", () => here && sheet.setAttribute("viewBox", `0 0 ${here.layout.width} ${here.layout.height}`));
+  addEventListener("beforeprint", () => {
+    if (!here) return;
+    sheet.classList.remove("far");
+    sheet.setAttribute("viewBox", `0 0 ${here.layout.width} ${here.layout.height}`);
+  });
   addEventListener("afterprint", () => here && look());
 
   // -- what was meant by a click
@@ -430,16 +434,18 @@
 
   // -- start
 
+  const first = decodeURIComponent(location.hash.slice(1));
   if (data.run) {
-    const inputs = new Float64Array(await unpack("inputs", true));
+    layoutOf(walk(first).pop().drawing);  // which goes on while the run is computed
+    const inputs = new Float64Array(await unpack("inputs").arrayBuffer());
     player = new SAO.Player({ ...data.run, inputs }, globalThis.frame);
     $("run").hidden = false; $("values").hidden = false; $("values").setAttribute("aria-pressed", "true");
     $("time").max = data.run.frames - 1;
     $("time").addEventListener("input", () => seek(Number($("time").value)));
     $("play").addEventListener("click", play);
+    seek(0);
   }
-  await go(decodeURIComponent(location.hash.slice(1)));
-  if (player) seek(0);
+  await go(first);
   // Open to scripts and tests: the same calls that the page makes.
   globalThis.saoView = { go, seek, pin, player: () => player, here: () => here, data };
 })();

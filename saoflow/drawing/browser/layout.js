@@ -30,7 +30,7 @@ SAO.portHeight = function (block, size, index, count) {
 SAO.wireLabel = (block, type) => (block.k === "symbol" ? { name: SAO.short(block.n), shape: SAO.shape(type) } : { name: "", shape: "" });
 
 function portOf(id, side, y, width, label, least = 0) {
-  const port = { id, width: 0, height: 0, x: side === "WEST" ? 0 : width, y, layoutOptions: { "elk.port.side": side } };
+  const port = { id, x: side === "WEST" ? 0 : width, y };  // of no size; ELK finds the side by the place
   const room = Math.max(least, label ? SAO.width(label, side === "WEST" ? 9 : 10) + 4 : 0);
   if (room) port.labels = [{ text: label, width: room, height: 22 }];
   return port;
@@ -73,16 +73,16 @@ SAO.graph = function (drawing, types, values) {
     });
   });
   const edges = SAO.edges(drawing).map((e, k) => ({ id: "e" + k, sources: [e.from], targets: [e.to] }));
-  const many = children.length > 250, huge = children.length > 900;
+  const large = children.length > 45, huge = children.length > 900;
   return {
     id: "root", children, edges,
     layoutOptions: {
       "elk.algorithm": "layered", "elk.direction": "RIGHT", "elk.edgeRouting": "ORTHOGONAL",
       "elk.portLabels.placement": "OUTSIDE NEXT_TO_PORT_IF_POSSIBLE", "elk.portLabels.nextToPortIfPossible": "true",
       "elk.layered.cycleBreaking.strategy": "MODEL_ORDER",
-      "elk.layered.nodePlacement.strategy": huge ? "SIMPLE" : children.length > 45 ? "BRANDES_KOEPF" : "NETWORK_SIMPLEX",
+      "elk.layered.nodePlacement.strategy": huge ? "SIMPLE" : large ? "BRANDES_KOEPF" : "NETWORK_SIMPLEX",
       "elk.layered.nodePlacement.bk.fixedAlignment": "BALANCED",
-      "elk.layered.thoroughness": huge ? "1" : many ? "3" : "7",
+      "elk.layered.thoroughness": huge ? "1" : large ? "3" : "7",
       "elk.layered.crossingMinimization.greedySwitch.type": huge ? "OFF" : "TWO_SIDED",
       "elk.layered.spacing.nodeNodeBetweenLayers": "34", "elk.layered.spacing.edgeNodeBetweenLayers": "14",
       "elk.layered.spacing.edgeEdgeBetweenLayers": "9", "elk.spacing.nodeNode": "26", "elk.spacing.edgeNode": "14",

@@ -63,7 +63,7 @@
     for (const port of node.ports) {
       const label = port.labels && port.labels[0];
       if (!label) continue;
-      const west = port.layoutOptions["elk.port.side"] === "WEST";
+      const west = port.x === 0;
       const index = Number(port.id.split(/\.[io]/)[1] || 0);
       if (west) {
         const what = block ? block.i[index].t : label.text;

@@ -1,0 +1,52 @@
+// elkjs in a worker: the page is drawn and answers while a sheet is laid out. Where pages may have none, in the page itself.
+"use strict";
+{
+  const ANSWER = `;{
+    const elk = new ELK();
+    self.onmessage = (e) => elk.layout(e.data.graph).then(
+      (layout) => self.postMessage({ id: e.data.id, layout }),
+      (error) => self.postMessage({ id: e.data.id, error: String((error && error.message) || error) }));
+  }`;
+
+  SAO.Layouter = class {
+    // `code`: the text of elkjs, as a blob.
+    constructor(code) {
+      this.code = code; this.asked = new Map(); this.count = 0; this.elk = null;
+      try {
+        const url = URL.createObjectURL(new Blob([code, ANSWER], { type: "text/javascript" }));
+        this.worker = new Worker(url);
+        this.worker.onmessage = (e) => this.answer(e.data.id, e.data.layout, e.data.error);
+        this.worker.onerror = (e) => { e.preventDefault(); this.withoutWorker(); };
+      } catch {
+        this.withoutWorker();
+      }
+    }
+    // The layout of a graph, as ELK.layout answers it.
+    layout(graph) {
+      return new Promise((done, failed) => {
+        const id = this.count++;
+        this.asked.set(id, { graph, done, failed });
+        this.ask(id);
+      });
+    }
+    ask(id) {
+      const { graph } = this.asked.get(id);
+      if (this.elk) this.elk.layout(graph).then((layout) => this.answer(id, layout), (error) => this.answer(id, null, String(error)));
+      else if (this.worker) this.worker.postMessage({ id, graph });
+    }
+    answer(id, layout, error) {
+      const { done, failed } = this.asked.get(id);
+      this.asked.delete(id);
+      if (error) failed(new Error(error)); else done(layout);
+    }
+    async withoutWorker() {
+      this.worker = null;
+      const script = document.createElement("script");
+      script.textContent = await this.code.text();
+      document.head.append(script);
+      script.remove();
+      this.elk = new ELK();
+      for (const id of this.asked.keys()) this.ask(id);
+    }
+  };
+}
