@@ -148,21 +148,24 @@ def _interpolation_error(jet: Jet, h: float, scale: float, growth: _Growth | Non
         return math.inf
     low, high = jet.third
     tilt, spread = 0.5 * (low + high), 0.5 * (high - low)
-    straight = math.isfinite(spread) and math.isfinite(magnitude(jet.second_at_middle))
+    ends = [h * (k / _PIECES) for k in range(_PIECES + 1)]
+    if math.isfinite(spread) and math.isfinite(magnitude(jet.second_at_middle)):
+        below, above = jet.second_at_middle
+        leans = [tilt * (t / 3.0 - h / 6.0) for t in ends]
+        sizes = [max(abs(below + lean), abs(above + lean)) for lean in leans]
+        # The roundings of these lines themselves.
+        small = 2.0**-48 * (magnitude(jet.second_at_middle) + abs(tilt) * h)
+        wide = spread * h * 0.5 * _UP
+        curvatures = [min(most, max(pair) + wide + small) for pair in pairwise(sizes)]
+    else:
+        curvatures = [most] * _PIECES
     worst = 0.0
-    for k in range(_PIECES):
-        t0, t1 = h * (k / _PIECES), h * ((k + 1) / _PIECES)
-        curvature = most
-        if straight:
-            # The ends of the piece, and the roundings of this line itself.
-            lean = max(abs(m + tilt * (t / 3.0 - h / 6.0)) for m in jet.second_at_middle for t in (t0, t1))
-            small = 2.0**-48 * (magnitude(jet.second_at_middle) + abs(tilt) * h)
-            curvature = min(most, lean + spread * h * 0.5 * _UP + small)
+    for (t0, t1), curvature in zip(pairwise(ends), curvatures, strict=True):
         t = min(max(0.5 * h, t0), t1)
         weight = t * (h - t) / scale
         if growth is not None:
-            ends = (t0, t1) if growth.from_left else (h - t1, h - t0)
-            weight = min(weight, _growing_weight(growth, h, *ends) * growth.excess)
+            piece = (t0, t1) if growth.from_left else (h - t1, h - t0)
+            weight = min(weight, _growing_weight(growth, h, *piece) * growth.excess)
         worst = max(worst, 0.5 * curvature * weight * _UP)
     return worst
 
