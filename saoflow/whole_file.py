@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import shlex
 from pathlib import Path
 
 from saoflow.diagnosis import refusal
@@ -13,6 +14,8 @@ from saoflow.diagnosis import refusal
 def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     """Write beside the file, then give it its name; nothing is left behind if that fails. Raises OSError."""
     target = Path(path)
+    if not target.name:
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         temporary.write_bytes(content)
@@ -34,6 +37,14 @@ def write_text(path: str | os.PathLike[str], text: str, what: str) -> None:
             cause=error.strerror or str(error),
             remedy=remedy_of(error, "name a file in a folder that exists and that you may write to"),
         ) from None
+
+
+def check_ending(path: str | os.PathLike[str], ending: str, what: str, remedy: str = "") -> None:
+    """Raise DiagnosisError E601 for a file whose name belongs to another kind: a sheet is not overwritten by its page."""
+    target = Path(path)
+    if target.suffix.lower() != ending:
+        better = remedy or f"write {shlex.quote(str(target.with_suffix(ending)))}" if target.name else "name a file"
+        raise refusal("E601", f"{path}: cannot be written", cause=f"the name of {what} ends in {ending}", remedy=better)
 
 
 def remedy_of(error: OSError, otherwise: str) -> str:

@@ -478,3 +478,36 @@ def test_symbols_are_listed_with_what_they_cost(capsys: pytest.CaptureFixture[st
         assert by_name[name]["equation"] in ends(capsys, 0, "symbols", name)[0]
     assert "The library sheet" not in ends(capsys, 0, "symbols", "window_rms")[0]
     assert "did you mean `saturation`?" in ends(capsys, 2, "symbols", "saturate")[1]
+
+
+# -- what would be ignored or misnamed in silence is refused
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("view", LAG, "-o", "lag.svg"), "add --svg for a picture"),
+        (("view", LAG, "-o", "lag.pdf"), "write lag.html"),
+        (("view", LAG, "--svg", "-o", "lag.html"), "write lag.svg"),
+        (("budget", LAG, "--report", "lag.yaml"), "write lag.html"),
+        (("run", LAG, "in.csv", "-o", "out.csv", "--report", "lag.yaml"), "write lag.html"),
+        (("budget", LAG, "--markdown"), "add --vs SHEET"),
+        (("schema", "-o", "/"), "E601"),
+        (("new", "add"), "such as my_add"),
+        (("new", "a" * 65), "names have at most 64"),
+        (("check", "nowhere"), "shipped estimators: cmhe_fte, "),
+    ],
+)
+def test_an_answer_of_another_kind_is_refused(
+    arguments: tuple[str, ...], told: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("lag.yaml").write_text("mine", encoding="utf-8")
+    assert told in ends(capsys, 2, *arguments)[1]
+    assert os.listdir() == ["lag.yaml"] and Path("lag.yaml").read_text(encoding="utf-8") == "mine"
+
+
+def test_a_comparison_writes_the_report_and_tells_the_cost_too(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, _ = ends(capsys, 0, "budget", LAG, "--vs", LAG, "--report", "page.html", "--target", "mpc755")
+    assert Path("page.html").exists() and "on mpc755" in out
+    out, _ = ends(capsys, 0, "budget", LAG, "--vs", LAG, "--target", "mpc755", "--json")
+    assert json.loads(out)["target"]["target"]

@@ -6,7 +6,9 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from saoflow.blocks.library import SYMBOLS
 from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean, refusal
+from saoflow.diagrams.expression_parser import LONGEST_NAME
 from saoflow.whole_file import write_whole
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -78,6 +80,11 @@ def _check(name: str, kind: str) -> None:
         better = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in name.removesuffix(".yaml"))
         good = better.isidentifier() and better.strip("_")
         raise refusal("E112", f"`{name}` is not a name for a sheet", cause=cause, remedy=f"write `{better}`" if good else "choose another name")
+    if len(name) > LONGEST_NAME:
+        raise refusal("E112", f"a name of {len(name)} characters", cause=f"names have at most {LONGEST_NAME}", remedy="shorten it")
+    if name in SYMBOLS and kind != "campaign":
+        cause = f"a block `{{{name}: ...}}` is the symbol, so no other sheet could use this one"
+        raise refusal("E222", f"`{name}` is a symbol", cause=cause, remedy=f"choose another name, such as my_{name}")
     if kind not in NEXT:
         near = did_you_mean(kind, NEXT) or "write --kind sheet"
         raise refusal("E603", f"`--kind` cannot be `{kind}`", cause=f"it is one of: {', '.join(NEXT)}", remedy=near)

@@ -23,6 +23,7 @@ from saoflow.diagnosis import Diagnosis, refusal
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
     from saoflow.scheduler.budget import BudgetReport
+    from saoflow.targets import FrameCost
 
 
 def budget(
@@ -78,6 +79,11 @@ def budget(
                 remedy="add --target mpc755",
             )
         )
+    if markdown and versus is None and versus_git is None:
+        cause, remedy = "it is the form of a comparison", "add --vs SHEET or --vs-git REV, or leave it out"
+        findings.add(Diagnosis("E603", "`--markdown` makes no sense here", cause=cause, remedy=remedy))
+    if report_file is not None:
+        findings.attempt(lambda: _check_report(report_file))
     processor = None if target is None else findings.attempt(lambda: find_target(target))
     sheet = load_sheet(name, settings, findings)
     report = None if sheet is None else findings.attempt(sheet.budget)
@@ -100,11 +106,11 @@ def budget(
             raise typer.Exit(BAD_INPUT)
         findings.attempt(cost.raise_if_over)
     findings.attempt(report.raise_if_over)
-    if sheet is not None and (versus is not None or versus_git is not None):
-        _compare(sheet, report, versus, versus_git, markdown, findings, json)
-        return
     if report_file is not None and sheet is not None:
         _write_report(sheet, report_file, findings, json)
+    if sheet is not None and (versus is not None or versus_git is not None):
+        _compare(sheet, report, cost, versus, versus_git, markdown, findings, json)
+        return
     if json:
         facts = report.to_dict()
         finish(findings.found, json, facts if cost is None else {**facts, "target": cost.to_dict()})
@@ -122,6 +128,7 @@ def budget(
 def _compare(
     sheet: LoadedSheet,
     report: BudgetReport,
+    cost: FrameCost | None,
     versus: str | None,
     versus_git: str | None,
     markdown: bool,
@@ -132,6 +139,7 @@ def _compare(
     from saoflow.print_change import markdown as as_markdown
     from saoflow.print_change import print_change
     from saoflow.scheduler.budget_change import compare_budgets
+    from saoflow.targets.print_cost import print_cost
 
     before = findings.attempt(lambda: _before(sheet, versus, versus_git))
     if before is None:
@@ -139,14 +147,16 @@ def _compare(
         raise typer.Exit(BAD_INPUT)
     change = compare_budgets(before, report, versus or str(versus_git))
     if json:
-        finish(findings.found, json, change.to_dict())
+        finish(findings.found, json, change.to_dict() if cost is None else {**change.to_dict(), "target": cost.to_dict()})
         return
     if markdown:
         print(as_markdown(change))
     else:
         print_change(change, console())
+    if cost is not None:
+        print_cost(cost, console())
     tell(findings.found)
-    if report.over:
+    if report.over or (cost is not None and cost.over):
         raise typer.Exit(exit_code(findings.found))
 
 
@@ -163,6 +173,15 @@ def _before(sheet: LoadedSheet, versus: str | None, versus_git: str | None) -> B
     assert versus_git is not None
     with sheet_at(sheet.sheet.file, versus_git) as path:
         return load(str(path)).budget()
+
+
+def _check_report(file: str) -> None:
+    """Refuse now a page that could not be written later. Raises DiagnosisError E601."""
+    from saoflow.recordings import check_place
+    from saoflow.whole_file import check_ending
+
+    check_place(file)
+    check_ending(file, ".html", "a page")
 
 
 def _write_report(sheet: LoadedSheet, file: str, findings: Findings, json: bool) -> None:

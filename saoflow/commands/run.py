@@ -163,11 +163,13 @@ def _refuse_twins(simulator: Simulator, probes: list[str], findings: Findings) -
 def _check_report(report: str, recording: str, output: str) -> None:
     """Refuse now a report that could not be written later. Raises DiagnosisError E601."""
     from saoflow.recordings import check_place
+    from saoflow.whole_file import check_ending
 
     if Path(report).resolve() == Path(output).resolve():
         cause, remedy = "it is the recording that is written", "name another file"
         raise refusal("E601", f"{report}: cannot be written", cause=cause, remedy=remedy)
     check_place(report, recording)
+    check_ending(report, ".html", "a page")
 
 
 def _run(

@@ -40,8 +40,6 @@ def view(
 
     Example: saoflow view cmhe_fte --run flight.csv -o cmhe_fte.html
     """
-    from saoflow.recordings.output import check_place
-
     findings = Findings()
     if svg and recording is not None:
         findings.add(_refused("--run", "a picture does not play", "leave out --svg, or --run"))
@@ -50,7 +48,7 @@ def view(
     sheet = load_sheet(name, settings, findings)
     target = output or (f"{sheet.name}.{'svg' if svg else 'html'}" if sheet else None)
     if target is not None:
-        findings.attempt(lambda: check_place(target, recording))
+        findings.attempt(lambda: _check_target(target, recording, svg))
     run = None
     if sheet is not None and recording is not None and not svg:
         run = findings.attempt(lambda: _read(sheet, recording, findings))
@@ -65,6 +63,18 @@ def view(
     tell(findings.found)
     played = f", {run.frames} frames to play" if run else ""
     print(f"{sheet.name}: {target}, {Path(target).stat().st_size / 1e6:.1f} MB{played}")
+
+
+def _check_target(target: str, recording: str | None, svg: bool) -> None:
+    """Raise DiagnosisError E601 for a file that cannot be written, or is named as what it will not be."""
+    from saoflow.recordings.output import check_place
+    from saoflow.whole_file import check_ending
+
+    check_place(target, recording)
+    if svg:
+        check_ending(target, ".svg", "a picture")
+    else:
+        check_ending(target, ".html", "a page", "add --svg for a picture" if target.endswith(".svg") else "")
 
 
 def _write(sheet: LoadedSheet, target: str, run: RunShown | None, inside: str, svg: bool) -> None:

@@ -18,6 +18,12 @@ def shipped_sheets() -> dict[str, Path]:
     return found
 
 
+def estimators() -> list[str]:
+    """The names of the shipped sheets that are made to run by themselves: those that state a budget."""
+    paths = shipped_sheets().items()
+    return sorted(name for name, path in paths if "\nbudget:" in path.read_text(encoding="utf-8"))
+
+
 def place_of(name: str, shipped: dict[str, Path]) -> Path | None:
     """The file of the sheet that a user names: a path, or the name of a shipped sheet. None if it is neither."""
     if name in shipped and not Path(name).exists():

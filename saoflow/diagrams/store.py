@@ -11,7 +11,7 @@ from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
 from saoflow.diagrams.netlist import SourceLines
 from saoflow.diagrams.reader import read_sheet, read_text
 from saoflow.diagrams.sheet import Sheet
-from saoflow.diagrams.shipped import LIBRARY, SHIPPED, place_of, shipped_sheets, shown_path
+from saoflow.diagrams.shipped import LIBRARY, SHIPPED, estimators, place_of, shipped_sheets, shown_path
 
 __all__ = ["LIBRARY", "SHIPPED", "SheetStore"]
 
@@ -42,7 +42,8 @@ class SheetStore:
                     "E602",
                     f"there is no sheet `{name}`",
                     cause="it is neither a path to a YAML file nor the name of a shipped sheet",
-                    remedy=did_you_mean(name, self.shipped) or f"shipped sheets: {', '.join(sorted(self.shipped))}",
+                    remedy=did_you_mean(name, self.shipped)
+                    or f"shipped estimators: {', '.join(estimators())}; `saoflow symbols` lists the library",
                 )
             ]
         )
