@@ -64,7 +64,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=10_000)
     parser.add_argument(
-        "--repeat", type=int, default=3, help="of two processes against one, with a fifth of the flights"
+        "--repeat", type=int, default=3, help="of the reference, and of two processes against one, with a fifth of the flights"
     )
     parser.add_argument("--only", choices=PARTS, action="append", default=[], help="this part; may be repeated")
     parser.add_argument("--one", nargs=3, type=int, metavar=("FLIGHTS", "WORKERS", "SECONDS"), help=argparse.SUPPRESS)
@@ -77,7 +77,7 @@ def main() -> None:
     if "reference" in parts:
         references = [_reference()]
         whole = _measured(options.flights, 2)
-        references += [_reference(), _reference()]
+        references += [_reference() for _ in range(options.repeat - 1)]
         _against_reference(whole, statistics.median(references))
     if "two" in parts:
         _two_against_one([(_measured(few, 1), _measured(few, 2)) for _ in range(options.repeat)])

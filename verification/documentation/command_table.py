@@ -236,7 +236,7 @@ SHORT = (
     Short("python benchmarks/interpreter.py", "python benchmarks/interpreter.py --repeat 1 --frames 10 --flights 10 --batch-frames 2", "repetitions"),
     Short("python benchmarks/start_up.py", "python benchmarks/start_up.py --repeat 1", "repetitions"),
     Short("python benchmarks/elaboration.py", "python benchmarks/elaboration.py --repeat 1 --sizes 300 1000", "sheets of 100 000 blocks"),
-    Short("python benchmarks/campaign.py", "python benchmarks/campaign.py --flights 20 --only reference", "40 000 flights"),
+    Short("python benchmarks/campaign.py", "python benchmarks/campaign.py --flights 20 --only reference --repeat 1", "40 000 flights"),
     Short("python benchmarks/calibration.py", "python benchmarks/calibration.py --seeds 305 --set powerpc", "21 sheets, three machines"),
     # Set-up.
     Short("make demo", "make demo", "with .venv there already; the set-up is that of `make test`, which CI runs"),

@@ -24,7 +24,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from verification.demo.readme import blocks, shortened
+from verification.demo.readme import Block, blocks, shortened
 from verification.documentation import command_table as table
 from verification.documentation.shown_commands import ROOT, Shown, page_name, pages, shown_commands
 
@@ -144,13 +144,11 @@ def _few(command: str, folder: Path) -> None:
         path.write_text(table.few_runs(match[1]), encoding="utf-8")
 
 
-def _written_before(page: Path, until: int) -> Iterator[str]:
-    """Programs of the page that marked blocks above the last step run: they write what later commands read."""
+def _programs(page: Path) -> list[Block]:
+    """Programs of the page that blocks of numbers run and compare elsewhere: they write what later commands read."""
     found = list(blocks(page.read_text(encoding="utf-8")))
     own = {block.what for block in found if block.kind == "file"}
-    for block in found:
-        if block.kind == "numbers" and block.first < until and block.what.removeprefix("python ") in own:
-            yield block.what
+    return [b for b in found if b.kind == "numbers" and b.what.removeprefix("python ") in own]
 
 
 # ---------------------------------------------------------------- running
@@ -165,9 +163,10 @@ def run_page(page: Path, whole: bool = False, among: Sequence[Path] | None = Non
     with tempfile.TemporaryDirectory(prefix="saoflow-page-") as name:
         folder = Path(name)
         prepare(folder, page, whole)
-        for program in _written_before(page, max(step.shown.line for step in todo if step.runs)):
-            run(program, folder)
+        programs = _programs(page)
         for step in todo:
+            while programs and programs[0].first < step.shown.line:
+                run(programs.pop(0).what, folder)
             start = _spent()
             problem = "" if step.left_out else run_step(step, folder, None if whole else PATIENCE)
             yield Outcome(step, _spent() - start, problem)
