@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError
-from saoflow.operations import Table
+from saoflow.operations import Kind, Table
 from saoflow.scheduler.program import FrameProgram, ProgramBody
 from saoflow.targets.early_schedule import scheduled_early
 from saoflow.targets.instructions import Instruction, Machine
@@ -149,9 +150,10 @@ def frame_cost(
     if found:
         raise DiagnosisError(found)
     isa = target.instruction_set
+    bodies = inlined(program)
     forms = (
         _form("memory", program, program.bodies, memory_form, isa, target, False),
-        _form("registers", program, inlined(program), register_form, isa, target, True),
+        _form("registers", program, bodies, partial(register_form, called=_called(bodies)), isa, target, True),
     )
     clock = target.clock_mhz if clock_mhz is None else clock_mhz
     return FrameCost(program.sheet, target, program.real, clock, clock_mhz is None, period, share, forms)
@@ -161,6 +163,12 @@ def _out_of_range(option: str, value: float | None, low: float, high: float, wha
     if value is None or low <= value <= high:
         return []
     return [Diagnosis("E603", f"`{option}` cannot be {value:g}", cause="it is out of range", remedy=f"give {what}")]
+
+
+def _called(bodies: Sequence[ProgramBody]) -> frozenset[int]:
+    """Tables looked up in more than one place: compilers make a function of such a look-up."""
+    places = Counter(o.detail for body in bodies for o in body.operations if o.kind is Kind.LOOKUP)
+    return frozenset(table for table, n in places.items() if n > 1)
 
 
 Former = Callable[[ProgramBody, Sequence[Table], InstructionSet, bool], list[Instruction]]

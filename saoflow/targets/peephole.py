@@ -87,13 +87,43 @@ def _inline(body: ProgramBody, procedures: Sequence[ProgramBody], laid_out: Set[
     return ProgramBody(body.name, body.parameters, tuple(operations), results, tuple(booleans), body.origins)
 
 
-def blocks(body: ProgramBody) -> list[int]:
+def branches(operations: Sequence[Operation], conditional_moves: bool) -> list[bool]:
+    """By operation: whether a compiler branches there.
+
+    Where moves can be conditional, a limit and a selection between values that are there anyway need no branch; of a value
+    limited by two constants the first is known to hold where the second is reached past it, so that branch stays.
+    """
+    if not conditional_moves:
+        return [o.kind in BRANCHING for o in operations]
+    uses: Counter[Atom] = Counter(a for o in operations for a in o.reads)
+    maker = {r: k for k, o in enumerate(operations) for r in o.results}
+    found = [o.kind is Kind.LOOKUP for o in operations]
+    for k, o in enumerate(operations):
+        if o.kind is Kind.SELECT:
+            found[k] = any(
+                isinstance(a, int) and uses[a] == 1 and a in maker and _computed(operations[maker[a]])
+                for a in o.operands[1:]
+            )
+        elif o.kind in (Kind.MINIMUM, Kind.MAXIMUM) and any(isinstance(a, Literal) for a in o.operands):
+            for a in o.operands:
+                first = maker.get(a) if isinstance(a, int) else None
+                if first is not None and operations[first].kind in (Kind.MINIMUM, Kind.MAXIMUM):
+                    found[first] |= any(isinstance(b, Literal) for b in operations[first].operands)
+    return found
+
+
+def _computed(o: Operation) -> bool:
+    """Whether a compiler moves an operation to the one side of a branch that needs it."""
+    return o.kind not in (Kind.READ, Kind.CALL, Kind.SELECT, Kind.MINIMUM, Kind.MAXIMUM, Kind.LOOKUP)
+
+
+def blocks(body: ProgramBody, conditional_moves: bool) -> list[int]:
     """By operation: how many operations before it branch."""
     found: list[int] = []
     count = 0
-    for o in body.operations:
+    for branch in branches(body.operations, conditional_moves):
         found.append(count)
-        count += o.kind in BRANCHING
+        count += branch
     return found
 
 

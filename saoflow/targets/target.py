@@ -53,6 +53,8 @@ class Shares:
     """Of each step of the search."""
     moved: float
     """Moves between registers for each value that goes to memory."""
+    tied: float
+    """Moves for each product and sum in one whose register is another's too."""
     call: float
     """Of a call beside its arguments and results: link, stack, addresses."""
     far: float
@@ -84,10 +86,20 @@ class InstructionSet:
     """Integer registers that it may use and saves."""
     literal: int
     """Integer instructions that form the address of a constant, before its load."""
+    small_constants: bool
+    """Whether constants of few digits are part of a move (Arm: VFPExpandImm)."""
     reach: tuple[int, ...]
-    """Bytes of stack that a load reaches without, with one, ... instructions that form its address."""
+    """Bytes of stack that a load reaches without, with one, ... instructions that form its address, memory form."""
+    stack_reach: tuple[int, ...]
+    """The same for the register form: from the stack pointer up."""
     multiply_add: bool
     """Whether a product and a sum, each rounded, are one instruction."""
+    conditional_moves: bool
+    """Whether a limit or a selection is a move that a flag decides, without a branch."""
+    model_schedule: bool
+    """Which of GCC's two ways to schedule under register pressure (``pressure_orders.py``)."""
+    carried_by_integers: bool
+    """Whether what is only carried from memory to memory goes through integer registers."""
     shares: Mapping[str, Shares]
     """By form: ``memory`` and ``registers``."""
     source: str
@@ -157,8 +169,13 @@ def _instruction_set(name: str, entry: Mapping[str, Any]) -> InstructionSet:
         entry["integer_scratch"],
         entry["integer_preserved"],
         entry["literal"],
+        bool(entry["small_constants"]),
         tuple(entry["reach"]),
+        tuple(entry["stack_reach"]),
         bool(entry["multiply_add"]),
+        bool(entry["conditional_moves"]),
+        bool(entry["model_schedule"]),
+        bool(entry["carried_by_integers"]),
         shares,
         entry["source"],
         entry["calibrated"],
