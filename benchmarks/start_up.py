@@ -50,14 +50,17 @@ def main() -> None:
     """Print medians in s and ratios to an import of numpy."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=7)
+    parser.add_argument("--only", choices=("programs", "commands"), help="imports and a first frame, or commands")
     options = parser.parse_args()
+    programs = PROGRAMS if options.only != "commands" else {"import numpy": PROGRAMS["import numpy"]}
+    commands = COMMANDS if options.only != "programs" else {}
     times: dict[str, list[tuple[float, float]]] = {}
     with tempfile.TemporaryDirectory() as cache:
         warm = {**os.environ, "XDG_CACHE_HOME": cache}
         for turn in range(options.repeat + 1):
-            for name, text in PROGRAMS.items():
+            for name, text in programs.items():
                 times.setdefault(name, []).append(taken([sys.executable, "-c", text], warm))
-            for name, words in COMMANDS.items():
+            for name, words in commands.items():
                 command = [sys.executable, "-m", "saoflow", *words]
                 times.setdefault(name, []).append(taken(command, warm))
                 if words[0] == "check":

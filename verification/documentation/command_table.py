@@ -105,7 +105,7 @@ def few_runs(name: str) -> str:
     return re.sub(r"duration: \[\d+, \d+\]", "duration: [60, 66]", text)
 
 
-_COMPARE = 'saoflow compare "ekf_fte[n_detect=4..5]" --budget 2400 --campaign few/comparison.yaml -o out/compare.html'
+_COMPARE = 'saoflow compare "umhe_fte[n_detect=6]" --budget 2400 --campaign few/comparison.yaml -o out/compare.html'
 _PIP = "pip install --dry-run --no-index --no-build-isolation"
 _ABOUT_PIP = "from the checkout, what it needs looked for among what is installed, nothing written: tests ask no package index"
 _ABOUT_PAPERS = "the shortest paper takes ten seconds; tests/verification/papers/test_paper_*.py run the short form of each"
@@ -234,7 +234,7 @@ SHORT = (
     ),
     # Benchmarks, measured once.
     Short("python benchmarks/interpreter.py", "python benchmarks/interpreter.py --repeat 1 --frames 10 --flights 10 --batch-frames 2", "repetitions"),
-    Short("python benchmarks/start_up.py", "python benchmarks/start_up.py --repeat 1", "repetitions"),
+    Short("python benchmarks/start_up.py", "python benchmarks/start_up.py --repeat 1 --only programs", "repetitions"),
     Short("python benchmarks/elaboration.py", "python benchmarks/elaboration.py --repeat 1 --sizes 300 1000", "sheets of 100 000 blocks"),
     Short("python benchmarks/campaign.py", "python benchmarks/campaign.py --flights 20 --only reference --repeat 1", "40 000 flights"),
     Short("python benchmarks/calibration.py", "python benchmarks/calibration.py --seeds 305 --set powerpc", "21 sheets, three machines"),
