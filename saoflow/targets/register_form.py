@@ -244,7 +244,7 @@ class _Form:
     def _load(self, a: Atom) -> int:
         if not isinstance(a, Literal):
             return self.stream.emit(Machine.LOAD, self._form_address(self.frame.slot(a)))
-        if self.isa.small_constants and _immediate(a):
+        if self.isa.small_constants and small_constant(a):
             return self.stream.emit(Machine.MOVE)
         address = -1
         for _ in range(self.isa.literal):
@@ -270,10 +270,10 @@ class _Form:
                 self.stream.emit_share(Machine.MOVE, self.shares.moved, number)
 
 
-def _immediate(a: Literal) -> bool:
+def small_constant(a: Literal) -> bool:
     """Whether a constant is part of a move: +-n/16 * 2^r, n from 16 to 31, r from -3 to 4 (VFPExpandImm)."""
     fraction, exponent = math.frexp(abs(float(a.value)))
-    return -2 <= exponent <= 5 and (fraction * 32).is_integer()
+    return fraction > 0.0 and -2 <= exponent <= 5 and (fraction * 32).is_integer()
 
 
 def _other(o: Operation) -> Atom:

@@ -74,8 +74,9 @@ class StackFrame:
         for span in spans.values():
             whole[span] += 1
         for tier, reach in enumerate(self._reach):
-            free = np.full(BUCKETS + 1, max(0, (reach + BYTES - base) // BYTES))
-            base = max(base, reach)
+            slots = max(0, (reach + BYTES - base) // BYTES)
+            free = np.full(BUCKETS + 1, slots)
+            base += BYTES * slots
             left: list[Life] = []
             for life in waiting:
                 span = spans[life.value]
