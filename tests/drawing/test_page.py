@@ -137,7 +137,7 @@ def test_the_page_is_the_same_without_a_worker(browser: Any, flagship: tuple[Pat
     drawn = "() => [document.querySelector('#sheet').innerHTML, document.querySelector('#sheet').getAttribute('viewBox')]"
     page, troubles = open_page(browser, flagship[0])
     with_worker = page.evaluate(drawn)
-    assert len(page.workers) == 1 and troubles == []
+    assert len(page.workers) == 1 and page.evaluate("typeof ELK") == "undefined" and troubles == []
     page.close()
     text = flagship[0].read_text(encoding="utf-8")
     assert text.count("<script>") == 3 and text.count("; worker-src blob:") == 1

@@ -35,9 +35,10 @@
       else if (this.worker) this.worker.postMessage({ id, graph });
     }
     answer(id, layout, error) {
-      const { done, failed } = this.asked.get(id);
+      const asked = this.asked.get(id);
+      if (!asked) return;  // a worker that was given up answers, too
       this.asked.delete(id);
-      if (error) failed(new Error(error)); else done(layout);
+      if (error) asked.failed(new Error(error)); else asked.done(layout);
     }
     async withoutWorker() {
       this.worker = null;
