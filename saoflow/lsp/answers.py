@@ -205,13 +205,13 @@ def references(sheets: Sheets, path: Path, place: Place) -> list[Found]:
     """Every place in the folder that names the same thing, its definition included."""
     readable = sheets.sheet(path)
     assert readable is not None
-    target = _meant(sheets, path, readable, place)
-    found = {Found(file, p.position): None for file, p in _same(sheets, target)}
+    target = meant_by(sheets, path, readable, place)
+    found = {Found(file, p.position): None for file, p in same(sheets, target)}
     return list(found)
 
 
 @dataclass(frozen=True, slots=True)
-class _Meant:
+class Meant:
     """A thing with a name: of a sheet in a file; which of its roles are seen from outside."""
 
     file: Path
@@ -223,27 +223,27 @@ class _Meant:
     """A wire that is an output under its own name."""
 
 
-def _meant(sheets: Sheets, path: Path, readable: Readable, place: Place) -> _Meant:
+def meant_by(sheets: Sheets, path: Path, readable: Readable, place: Place) -> Meant:
     own = readable.sheet.name.text
     if place.kind in ("symbol", "sheet"):
-        return _Meant(path, own, place.name, place.kind)
+        return Meant(path, own, place.name, place.kind)
     if place.kind in ("wire", "parameter"):
         listed = any(
             o.name.text == place.name and o.name.position == o.wire.position for o in readable.sheet.outputs
         )
-        return _Meant(path, own, place.name, place.kind, place.kind == "wire" and listed)
+        return Meant(path, own, place.name, place.kind, place.kind == "wire" and listed)
     found = (path, readable) if place.owner == own else sheets.find(place.owner, path)
     if found is None:
-        return _Meant(path, place.owner, place.name, place.kind)
+        return Meant(path, place.owner, place.name, place.kind)
     file, other = found
     if place.kind == "output":
         listed = any(o.name.text == place.name and o.name.position == o.wire.position for o in other.sheet.outputs)
-        return _Meant(file, place.owner, place.name, "wire" if listed else "output", listed)
+        return Meant(file, place.owner, place.name, "wire" if listed else "output", listed)
     inputs = {i.name.text for i in other.sheet.inputs}
-    return _Meant(file, place.owner, place.name, "wire" if place.name in inputs else "parameter")
+    return Meant(file, place.owner, place.name, "wire" if place.name in inputs else "parameter")
 
 
-def _same(sheets: Sheets, meant: _Meant) -> Iterator[tuple[Path, Place]]:
+def same(sheets: Sheets, meant: Meant) -> Iterator[tuple[Path, Place]]:
     for file, readable in sheets.around(meant.file):
         is_own = readable.sheet.name.text == meant.sheet and file == meant.file
         for place in readable.places:
@@ -256,19 +256,3 @@ def _same(sheets: Sheets, meant: _Meant) -> Iterator[tuple[Path, Place]]:
             own = is_own and place.kind == meant.kind and not place.owner
             if own or outside or (meant.kind in ("sheet", "symbol") and place.kind == meant.kind):
                 yield file, place
-
-
-def rename(sheets: Sheets, path: Path, place: Place, new: str) -> list[Found] | str:
-    """The places to change, or why that name cannot be given."""
-    readable = sheets.sheet(path)
-    assert readable is not None
-    if place.kind not in ("wire", "output", "port", "parameter", "argument") or place.owner in SYMBOLS:
-        return "only wires, ports and parameters are renamed here; a sheet's name is its file's name"
-    if not (new.isidentifier() and new.isascii()) or new in ("fold", "map", "zeros", "ones", "diag"):
-        return f"`{new}` is no name: letters, digits and _, no digit first"
-    meant = _meant(sheets, path, readable, place)
-    owner = sheets.sheet(meant.file)
-    taken = {p.name for p in owner.places if p.defines and p.kind in ("wire", "parameter")} if owner else set()
-    if new in taken:
-        return f"`{new}` is taken in sheet `{meant.sheet}`"
-    return references(sheets, path, place)

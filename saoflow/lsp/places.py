@@ -81,7 +81,9 @@ class _Places:
                     yield from self._names(part, name)
         for argument in block.arguments:
             yield Place("argument", argument.name.text, argument.name.position, False, target, name)
-            yield from self._names(argument.value, name)
+            # In a formula of a table, x and y are what is looked up.
+            own = ("x", "y") if _is_formula(target, argument.name.text) else ()
+            yield from (place for place in self._names(argument.value, name) if place.name not in own)
 
     def _connections(self, connections: Sequence[Connection], target: str, block: str) -> Iterator[Place]:
         for connection in connections:
@@ -119,6 +121,11 @@ class _Places:
 
     def _is_input(self, name: str) -> bool:
         return any(port.name.text == name for port in self.sheet.inputs)
+
+
+def _is_formula(target: str, parameter: str) -> bool:
+    """Whether a parameter of a symbol takes a formula."""
+    return target in SYMBOLS and any(p.name == parameter and p.kind == "formula" for p in SYMBOLS[target].parameters)
 
 
 def target_of(block: BlockDeclaration | IterationDeclaration) -> str:

@@ -18,6 +18,7 @@ from saoflow.diagnosis import Diagnosis, Position
 from saoflow.lsp import answers
 from saoflow.lsp.completion import complete
 from saoflow.lsp.places import Place
+from saoflow.lsp.renaming import rename
 from saoflow.lsp.workspace import Readable, Sheets
 
 PAUSE = 0.25
@@ -207,7 +208,7 @@ def completed(ls: SheetServer, params: types.CompletionParams) -> types.Completi
 @_only_sheets
 def renamed(ls: SheetServer, params: types.RenameParams, path: Path, place: Place) -> types.WorkspaceEdit:
     """A new name for a wire, port or parameter, everywhere."""
-    found = answers.rename(ls.sheets, path, place, params.new_name)
+    found = rename(ls.sheets, path, place, params.new_name)
     if isinstance(found, str):
         raise JsonRpcInvalidParams(found)
     changes: dict[str, list[types.TextEdit]] = {}
