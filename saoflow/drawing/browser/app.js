@@ -11,7 +11,7 @@
   };
   const unpack = (id) => new Response(new Blob([bytesOf($(id).textContent)]).stream().pipeThrough(new DecompressionStream("gzip")));
 
-  const layouter = unpack("elk").blob().then((code) => new SAO.Layouter(code));
+  const layouter = new SAO.Layouter(unpack("elk").blob());
   const data = await unpack("data").json();
   const layouts = new Map(), laidOut = new Set();
   const sheet = $("sheet");
@@ -55,7 +55,7 @@
   function layoutOf(number) {
     if (!layouts.has(number)) {
       const drawing = data.drawings[number], graph = SAO.graph(drawing, typesOf(drawing), !!data.run);
-      layouts.set(number, layouter.then((l) => l.layout(graph)).finally(() => laidOut.add(number)));
+      layouts.set(number, layouter.layout(graph).finally(() => laidOut.add(number)));
     }
     return layouts.get(number);
   }

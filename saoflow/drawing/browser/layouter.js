@@ -1,7 +1,9 @@
 // elkjs in a worker: the page is drawn and answers while a sheet is laid out. Where pages may have none, in the page itself.
 "use strict";
 {
-  const ANSWER = `;{
+  // The first message is elkjs, all others are graphs.
+  const WORK = `self.onmessage = (first) => {
+    importScripts(URL.createObjectURL(first.data));
     const elk = new ELK();
     self.onmessage = (e) => elk.layout(e.data.graph).then(
       (layout) => self.postMessage({ id: e.data.id, layout }),
@@ -9,16 +11,16 @@
   }`;
 
   SAO.Layouter = class {
-    // `code`: the text of elkjs, as a blob.
+    // `code`: the text of elkjs, as a blob that is on its way; the worker starts meanwhile.
     constructor(code) {
-      this.code = code; this.asked = new Map(); this.count = 0; this.elk = null;
+      this.code = code; this.asked = new Map(); this.count = 0; this.worker = this.elk = null;
       try {
-        const url = URL.createObjectURL(new Blob([code, ANSWER], { type: "text/javascript" }));
-        this.worker = new Worker(url);
+        this.worker = new Worker(URL.createObjectURL(new Blob([WORK], { type: "text/javascript" })));
+        this.ready = code.then((blob) => this.worker && this.worker.postMessage(blob));
         this.worker.onmessage = (e) => this.answer(e.data.id, e.data.layout, e.data.error);
-        this.worker.onerror = (e) => { e.preventDefault(); this.withoutWorker(); };
+        this.worker.onerror = (e) => { e.preventDefault(); if (this.worker) this.withoutWorker(); };
       } catch {
-        this.withoutWorker();
+        this.ready = this.withoutWorker();
       }
     }
     // The layout of a graph, as ELK.layout answers it.
@@ -26,7 +28,7 @@
       return new Promise((done, failed) => {
         const id = this.count++;
         this.asked.set(id, { graph, done, failed });
-        this.ask(id);
+        this.ready.then(() => this.ask(id));
       });
     }
     ask(id) {
@@ -41,9 +43,10 @@
       if (error) asked.failed(new Error(error)); else asked.done(layout);
     }
     async withoutWorker() {
+      if (this.worker) this.worker.terminate();
       this.worker = null;
       const script = document.createElement("script");
-      script.textContent = await this.code.text();
+      script.textContent = await (await this.code).text();
       document.head.append(script);
       script.remove();
       this.elk = new ELK();
