@@ -5,7 +5,8 @@ For the flagship, two shipped sheets of its kind and 20 random sheets (seeds 400
 ``--fit`` prints the measured shares of ``saoflow/targets/targets.toml`` from the flagship and 40 other random sheets
 (seeds 0 to 19 and 100 to 119): least squares of the relative errors, drawn a little to what stands there; the model was
 made on these and on seeds 200 to 219 and 300 to 319; the 20 sheets and the two took no part. ``--markdown`` prints the tables of
-``docs/cost_model.md`` (without -O1), ``--tuned`` checks the sheets of the fit.
+``docs/cost_model.md`` (without -O1), ``--tuned`` checks the sheets of the fit, ``--cycles`` compares cycles
+of the flagship with those of GCC's instructions on the same pipeline.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from executed import executed
 from instruction_count import TOOLCHAINS, Toolchain, count_instructions
 from random_sheets import random_sheet
 from scipy.optimize import lsq_linear
 
 import saoflow
 from saoflow.scheduler.program import FrameProgram
-from saoflow.targets import InstructionSet, Shares, Target, frame_cost, targets
+from saoflow.targets import InstructionSet, Shares, Target, find_target, frame_cost, targets
+from saoflow.targets.pipeline import cycles
 
 TOLERANCE = 0.10
 CHECKED, FITTED = range(400, 420), (*range(20), *range(100, 120))
@@ -105,6 +108,16 @@ def check(samples: list[Sample], isa: InstructionSet, tools: Toolchain, folder: 
     return len(misses)
 
 
+def check_cycles(tools: Toolchain, folder: Path) -> None:
+    """Print the flagship's cycles on PowerPC targets: predicted, and of the instructions that GCC made, on the same pipeline."""
+    sample = shipped(SHIPPED[0])
+    made = executed(count_instructions(sample.program, sample.rows, tools, LEVELS["registers"], folder).last)
+    for name in ("mpc755", "e300c3", "e500mc"):
+        target = find_target(name)
+        predicted, counted = frame_cost(sample.program, target).forms[1].cycles, cycles(made, target, sample.program.real)
+        print(f"{name}: {predicted} cycles predicted, {counted} of GCC's code, {100 * (predicted / counted - 1):+.1f} %")
+
+
 def _row(cells: list[str], markdown: bool) -> str:
     if markdown:
         return "| " + " | ".join(cells) + " |"
@@ -152,6 +165,7 @@ def main() -> int:
     parser.add_argument("--tuned", action="store_true", help="check the sheets that the model was made on")
     parser.add_argument("--set", action="append", choices=list(TOOLCHAINS), help="only this instruction set")
     parser.add_argument("--seeds", type=int, nargs="+", metavar="SEED", help="random sheets of these seeds alone: a look")
+    parser.add_argument("--cycles", action="store_true", help="print cycles of GCC's code on PowerPC instead")
     options = parser.parse_args()
     sets: dict[str, Target] = {}
     for target in targets().values():
@@ -159,6 +173,11 @@ def main() -> int:
     missed = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if options.cycles:
+            print(TOOLCHAINS["powerpc"].missing, end="")
+            if not TOOLCHAINS["powerpc"].missing:
+                check_cycles(TOOLCHAINS["powerpc"], folder)
+            return 0
         tuned = options.fit or options.tuned
         seeds = options.seeds or (FITTED if tuned else CHECKED)
         names = SHIPPED[: 0 if options.seeds else 1 if tuned else None]
