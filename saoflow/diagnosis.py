@@ -64,9 +64,10 @@ class Diagnosis:
         if self.position and self.source_line is not None:
             number = str(self.position.line)
             text, column = _window(self.source_line, self.position.column)
-            caret = "^" * max(1, min(self.position.length, len(text) - column + 1))
+            marked = text[column - 1 : column - 1 + self.position.length]
+            caret = "^" * max(1, len(_blank(marked)))
             lines.append(f" {number} | {text}")
-            lines.append(f" {' ' * len(number)} | {' ' * (column - 1)}{caret} {self.label}".rstrip())
+            lines.append(f" {' ' * len(number)} | {_blank(text[: column - 1])}{caret} {self.label}".rstrip())
         if self.cause:
             lines.append(f"    = cause: {self.cause}")
         for note in self.notes:
@@ -98,7 +99,18 @@ class Diagnosis:
 def _window(text: str, column: int, width: int = 160) -> tuple[str, int]:
     """Cut a very long line to the part around ``column``; returns the part and the column inside it."""
     start = max(0, column - width // 2) if len(text) > width else 0
-    return text[start : start + width].replace("\t", " "), column - start
+    # A tab is a space, and no control character of a file reaches the terminal.
+    shown = "".join(c if c.isprintable() else " " if c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text[start : start + width])
+    return shown, column - start
+
+
+def _blank(text: str) -> str:
+    """Spaces as wide as a text: letters of some alphabets take two columns, combining marks none."""
+    if text.isascii():
+        return " " * len(text)
+    from unicodedata import combining, east_asian_width
+
+    return " " * sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
 
 
 class DiagnosisError(Exception):

@@ -125,7 +125,7 @@ x.csv:1:3: error[E502]: there is no column `v_1`
  1 | t,v1,v_2
    |   ^^
     = cause: input `v` is a vector of 2: columns v_1, v_2
-    = remedy: did you mean `v1`?
+    = remedy: did you mean `v1`? then rename it in the recording to `v_1`
 x.csv:1:1: error[E502]: there is no column `s`
     = cause: input `s` is a scalar: one column of its name
     = remedy: add it; the recording has: t, v1, v_2
@@ -291,6 +291,12 @@ def test_parquet_without_numbers_and_without_pyarrow(here: Path, monkeypatch: py
 
 
 # -- writing
+
+
+def test_a_carriage_return_alone_ends_no_line(here: Path) -> None:
+    Path("mac.csv").write_bytes(b"u\r1\r2\r")
+    told = refused(lambda: read_frames("mac.csv", {"u": WireType(())}))
+    assert "error[E501]" in told and "save the file with line feeds" in told and "\r" not in told
 
 
 def test_outputs_become_columns_with_t_first_and_flags_as_0_and_1() -> None:

@@ -160,10 +160,15 @@ class _Reader:
             return next(reader, None)
         except csv.Error as error:
             number = before + max(1, reader.line_num)
+            cause = f"{error}: a quote is opened or closed in the wrong place, or a cell is enormous"
+            remedy = "mend the line; a quote inside a quoted cell is written twice"
+            if "new-line character" in str(error):
+                cause = "a carriage return stands inside a line: the lines end as on an old Macintosh, or are broken"
+                remedy = "save the file with line feeds, or CR LF"
             told = unreadable(
                 self.path,
-                f"{error}: a quote is opened or closed in the wrong place, or a cell is enormous",
-                "mend the line; a quote inside a quoted cell is written twice",
+                cause,
+                remedy,
                 number,
                 self.lines.line(number) or None,
             )

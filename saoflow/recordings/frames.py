@@ -207,7 +207,9 @@ def _no_column(
     # A column of an element is like one with the same number only: alpha_1 like alpha1, not like alpha_2.
     alike = [name for name in spare if _digits(name) == _digits(column)]
     near = did_you_mean(column, alike)
-    remedy = near or f"add {'them' if absent else 'it'}; the recording has: {_few(found)}"
+    remedy = f"add {'them' if absent else 'it'}; the recording has: {_few(found)}"
+    if near:
+        remedy = f"{near} then rename it in the recording to `{column}`"
     text = extension(path) != ".parquet"
     if text and len(found) == 1 and any(mark in header for mark in ";\t|"):
         cause, remedy = "the names in the first line are not separated by commas", "save the file as CSV with commas"
