@@ -1,5 +1,7 @@
 """How the commands of the pages are run where they are not run just as they stand: filled in, shortened, or elsewhere.
 
+Forms are filled in with what another page shows where that fits: what runs the same is run once.
+
 Whatever a page shows and this table does not name is run as it stands. An entry that no page shows any more is an error.
 """
 
@@ -101,12 +103,13 @@ def few_runs(name: str) -> str:
     parameters of the flagship and compiles in a fifth of the time. Raises OSError."""
     text = (Path(SHIPPED) / f"{name}.yaml").read_text(encoding="utf-8")
     text = re.sub(r"\b(count|drawn): \d+", r"\1: 2", text)
-    text = re.sub(r"^sheets: .*", lambda line: re.sub(r"\bcmhe_fte(_lean)?\b", "umhe_fte", line[0]), text, flags=re.M)
+    text = re.sub(r"^sheets: .*", "sheets: [umhe_fte]", text, flags=re.M)
     return re.sub(r"duration: \[\d+, \d+\]", "duration: [60, 66]", text)
 
 
 _COMPARE = 'saoflow compare "umhe_fte[n_detect=6]" --budget 2400 --campaign few/comparison.yaml -o out/compare.html'
 _PIP = "pip install --dry-run --no-index --no-build-isolation"
+_EXTRAS = f"{_PIP} '.[lsp,cluster]'"
 _ABOUT_PIP = "from the checkout, what it needs looked for among what is installed, nothing written: tests ask no package index"
 _ABOUT_PAPERS = "the shortest paper takes ten seconds; tests/verification/papers/test_paper_*.py run the short form of each"
 _ABOUT_BITS = "tests/verification/bits/test_bits.py holds the flagships"
@@ -116,34 +119,34 @@ FILLED = (
     Filled(
         "saoflow run SHEET IN -o OUT", ("saoflow run airspeed.yaml readings.csv -o out.parquet --report run.html",)
     ),
-    Filled("saoflow budget SHEET", ("saoflow budget airspeed.yaml --target mpc755",)),
+    Filled("saoflow budget SHEET", ("saoflow budget cmhe_fte_lean",)),
     Filled(
         "saoflow budget SHEET --target NAME [--clock MHZ] [--share PART]",
         ("saoflow budget umhe_fte --target cortex-m7", "saoflow budget umhe_fte --target e500mc --clock 800 --share 0.5"),
     ),
-    Filled("saoflow view SHEET -o FILE.html", ("saoflow view airspeed.yaml -o airspeed.html --run readings.csv",)),
-    Filled("saoflow view SHEET", ("saoflow new seen", "saoflow view seen.yaml")),
+    Filled("saoflow view SHEET -o FILE.html", ("saoflow view cmhe_fte -o cmhe_fte.html",)),
+    Filled("saoflow view SHEET", ("saoflow view cmhe_fte -o cmhe_fte.html",)),
     Filled("saoflow verify SHEET", ("saoflow verify umhe_fte --frames 60",)),
-    Filled("saoflow fly -o OUT", ("saoflow fly -o flight.csv.gz",)),
+    Filled("saoflow fly -o OUT", ("saoflow fly --noise -o flight.csv",)),
     Filled("saoflow campaign FILE -o DIR", ("saoflow campaign few/monte_carlo.yaml -o out/monte_carlo --workers 1",)),
     Filled("saoflow compare SHEET...", (_COMPARE,)),
-    Filled("saoflow build SHEET -o DIR", ("saoflow build airspeed.yaml -o in_c",)),
-    Filled("saoflow fmu SHEET", ("saoflow fmu airspeed.yaml",)),
+    Filled("saoflow build SHEET -o DIR", ("saoflow build umhe_fte -o out/c",)),
+    Filled("saoflow fmu SHEET", ("saoflow fmu umhe_fte",)),
     Filled("saoflow show SHEET --stage ...", ("saoflow show airspeed.yaml --stage program",)),
-    Filled("saoflow new NAME", ("saoflow new first", "saoflow check first.yaml")),
+    Filled("saoflow new NAME", ("saoflow new mine",)),
     Filled("saoflow explain CODE", ("saoflow explain E211",)),
     Filled("saoflow symbols NAME", ("saoflow symbols lookup",)),
     Filled("saoflow fmt FILE...", ("saoflow new second", "saoflow fmt airspeed.yaml second.yaml")),
-    Filled("saoflow diff A B", ("saoflow new third", "saoflow diff airspeed.yaml third.yaml"), 1),
+    Filled("saoflow diff A B", ("saoflow diff airspeed.yaml second.yaml",), 1),
     Filled("saoflow COMMAND --help", ("saoflow run --help", "saoflow campaign --help")),
     Filled("saoflow run --backend c", ("saoflow run airspeed.yaml readings.csv -o compiled.csv --backend c",)),
     Filled(
         'SAOFLOW_CC="clang -O2" saoflow run --backend c ...',
         ("saoflow new mine", 'SAOFLOW_CC="clang -O2" saoflow run mine.yaml mine.csv -o mine_out.csv --backend c'),
     ),
-    Filled("pip install saoflow", (f"{_PIP} .",), why=_ABOUT_PIP),
-    Filled("pip install 'saoflow[lsp]'", (f"{_PIP} '.[lsp]'",), why=_ABOUT_PIP),
-    Filled("pip install 'saoflow[cluster]'", (f"{_PIP} '.[cluster]'",), why=_ABOUT_PIP),
+    Filled("pip install saoflow", (_EXTRAS,), why=_ABOUT_PIP),
+    Filled("pip install 'saoflow[lsp]'", (_EXTRAS,), why=_ABOUT_PIP),
+    Filled("pip install 'saoflow[cluster]'", (_EXTRAS,), why=_ABOUT_PIP),
     Filled("pip install -e '.[flights]'", (f"{_PIP} -e '.[flights]'",), why=_ABOUT_PIP),
 )
 
