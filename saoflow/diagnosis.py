@@ -126,6 +126,12 @@ def refusal(code: str, message: str, *, cause: str, remedy: str) -> DiagnosisErr
     return DiagnosisError([Diagnosis(code, message, cause=cause, remedy=remedy)])
 
 
+def unknown_name(code: str, message: str, name: str, known: Sequence[str], *, what: str, otherwise: str) -> DiagnosisError:
+    """The exception of a name that is none of those known, to be raised. ``what`` they are; ``otherwise``: without a near one."""
+    remedy = did_you_mean(name, known) or otherwise
+    return refusal(code, message, cause=f"{what} are {', '.join(known)}", remedy=remedy)
+
+
 @dataclass(slots=True)
 class Diagnoses:
     """Collects what a stage finds, so that it can report everything at once."""

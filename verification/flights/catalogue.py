@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from saoflow.diagnosis import did_you_mean, refusal
+from saoflow.diagnosis import unknown_name
 from verification.flights.plan import (
     AltitudeChange,
     FlightPlan,
@@ -172,12 +172,8 @@ def find_flight(name: str, aircraft: str | None = None, seed: int | None = None)
     """The named flight, with another aircraft or seed if given. Raises DiagnosisError E701 and E702."""
     names = [plan.name for plan in FLIGHTS]
     if name not in names:
-        raise refusal(
-            "E701",
-            f"no flight `{name}`",
-            cause=f"flights are {', '.join(names)}",
-            remedy=did_you_mean(name, names) or "name one of them; `saoflow fly --list` says what they are",
-        )
+        otherwise = "name one of them; `saoflow fly --list` says what they are"
+        raise unknown_name("E701", f"no flight `{name}`", name, names, what="flights", otherwise=otherwise)
     plan = FLIGHTS[names.index(name)]
     if aircraft is not None:
         plan = replace(plan, aircraft=aircraft)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from saoflow.diagnosis import did_you_mean, refusal
+from saoflow.diagnosis import unknown_name
 from verification.flights.faults import Fault
 from verification.flights.plan import AltitudeChange, FlightPlan, PitchDoublet, SpeedChange
 from verification.flights.record import record
@@ -153,12 +153,8 @@ def load_pulls(name: str) -> Recording:
     """The shipped recording ``name`` of :data:`PULLS`. Raises DiagnosisError E721 (unknown name), E501 (damaged file)."""
     names = [plan.name for plan in PULLS]
     if name not in names:
-        raise refusal(
-            "E721",
-            f"no shipped recording `{name}` with true airspeed",
-            cause=f"shipped are {', '.join(names)}",
-            remedy=did_you_mean(name, names) or "name one of them",
-        )
+        message = f"no shipped recording `{name}` with true airspeed"
+        raise unknown_name("E721", message, name, names, what="shipped", otherwise="name one of them")
     return read_recording(HOME / f"{name}{SUFFIX}", PERIOD)
 
 

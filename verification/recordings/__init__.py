@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from saoflow.diagnosis import did_you_mean, refusal
+from saoflow.diagnosis import unknown_name
 from verification.recordings.recording import FRAME_PERIOD, Recording, read_recording, write_recording
 
 __all__ = [
@@ -33,10 +33,6 @@ def load_recording(name: str) -> Recording:
     """The shipped recording ``name``. Raises DiagnosisError E721 (unknown name), E501 (damaged file)."""
     known = shipped_recordings()
     if name not in known:
-        raise refusal(
-            "E721",
-            f"no shipped recording `{name}`",
-            cause=f"shipped are {', '.join(known)}",
-            remedy=did_you_mean(name, known) or "name one of them, or record a flight with `saoflow fly`",
-        )
+        otherwise = "name one of them, or record a flight with `saoflow fly`"
+        raise unknown_name("E721", f"no shipped recording `{name}`", name, known, what="shipped", otherwise=otherwise)
     return read_recording(FOLDER / f"{name}{SUFFIX}")

@@ -15,7 +15,7 @@ import numpy as np
 from verification.reference.arrays import DEGREE, KNOT, Array
 
 
-def quantity(value: float, unit: str, source: str) -> Any:
+def quantity(value: Any, unit: str, source: str) -> Any:
     """Return a dataclass field with default `value`, and its unit and source as metadata."""
     return field(default=value, metadata={"unit": unit, "source": source})
 

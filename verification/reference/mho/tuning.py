@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from verification.reference.arrays import DEGREE, KNOT, Array
+from verification.reference.tuning import quantity
 
 GRAVITY = 9.80665 / KNOT
 """Standard gravity in knots gained per second, which the paper writes kt/s^2: 19.0626."""
@@ -27,11 +27,6 @@ OBSERVER_GAIN = (
     (-4.114e-06, 0.0004079, 0.4139),
 )
 """L: rows alpha, V_t, theta, columns V_t, V_z, theta; printed by ``python -m verification.reference.mho.gain``."""
-
-
-def quantity(value: Any, unit: str, source: str) -> Any:
-    """Return a dataclass field with default `value`, and its unit and source as metadata."""
-    return field(default=value, metadata={"unit": unit, "source": source})
 
 
 @dataclass(frozen=True)
