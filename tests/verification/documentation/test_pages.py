@@ -1,8 +1,9 @@
 """The pages of docs/: their blocks are what the commands print, and what they name exists.
 
-Blocks from ``python -m verification.results...`` take minutes; they are renewed by hand, ``python -m
+Blocks from ``python -m verification.results...`` take seconds to minutes; they are renewed by hand, ``python -m
 verification.demo.readme docs/multirate.md``, and ``tests/verification/results`` holds what they claim. What is printed in
 docs/diagnoses.md is held by ``tests/authoring/test_explain.py``, in docs/new_symbol.md by ``test_new_symbol.py``.
+Commands without such a block are run by ``test_commands.py``; here they are only known to exist.
 """
 
 from __future__ import annotations
