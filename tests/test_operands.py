@@ -57,3 +57,14 @@ def test_errors_that_a_given_value_makes_are_laid_at_its_door(tmp_path: Path) ->
     with pytest.raises(DiagnosisError) as caught:
         load(str(path), {"n": 0}).check()
     assert "E603" not in [d.code for d in caught.value.diagnoses]
+
+
+def test_sheets_that_double_at_every_level_are_refused_at_once(tmp_path: Path) -> None:
+    for i in range(30):
+        inner = f"n{i + 1}" if i < 29 else "reciprocal"
+        text = f"sheet: n{i}\ninputs: [x]\nblocks: {{a: {{{inner}: x}}, b: {{{inner}: a}}}}\noutputs: [b]\n"
+        (tmp_path / f"n{i}.yaml").write_text(text)
+    with pytest.raises(DiagnosisError) as caught:
+        load(str(tmp_path / "n0.yaml")).check()
+    (found,) = caught.value.diagnoses
+    assert found.code == "E219" and found.cause.startswith("it has 2147483648 blocks")

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 from saoflow.diagnosis import Diagnoses, Diagnosis, did_you_mean
 from saoflow.diagrams.expression_value import Quantity
-from saoflow.diagrams.netlist import Netlist, Structure
+from saoflow.diagrams.netlist import Netlist, Structure, count_instances
 from saoflow.diagrams.parameters import complete
 from saoflow.diagrams.scope import Scope
 from saoflow.diagrams.sheet import Sheet
 from saoflow.diagrams.store import SheetStore
-from saoflow.diagrams.structure import StructureBuilder
+from saoflow.diagrams.structure import MOST_NODES, StructureBuilder
 from saoflow.diagrams.wire_types import Typer
 from saoflow.wires import WireType, wrong_unit_count
 
@@ -57,7 +57,14 @@ def elaborate(sheet: Sheet, store: SheetStore, given: Mapping[str, Quantity] | N
     body = Typer(found, store.sources).body(structure, root_types(structure))
     found.raise_if_errors()
     shown = tuple((name, str(q.array) if q.text is None else q.text) for name, q in values.values)
-    return Netlist(body, shown, store.sources)
+    netlist = Netlist(body, shown, store.sources)
+    blocks, _ = count_instances(netlist)
+    if blocks > MOST_NODES:
+        # Sheets without state are laid out once, but counted, drawn and traced instance by instance.
+        cause = f"it has {blocks} blocks with all its sub-sheets laid out, and at most {MOST_NODES} can be followed"
+        scope.report("E219", "the elaborated sheet is too large", sheet.name.position, cause, "lower the counts of folds and maps, or the levels of sheets")
+        found.raise_if_errors()
+    return netlist
 
 
 def root_types(structure: Structure) -> tuple[WireType, ...]:

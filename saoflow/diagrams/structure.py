@@ -36,6 +36,7 @@ class StructureBuilder:
         self._uses: list[Position] = []
         """Where each sheet of the path is used."""
         self._count = 0
+        self._full = False
 
     def build(self, sheet: Sheet, values: ParameterValues, used: Position) -> Structure | None:
         """The structure of a sheet that is ``used`` there, or None if it uses itself (diagnosed)."""
@@ -64,6 +65,11 @@ class StructureBuilder:
         """Whether that many further nodes are within the bound."""
         self._count += nodes
         return self._count <= MOST_NODES
+
+    def is_first_to_lack_room(self) -> bool:
+        """True once: a sheet that is too large is told in one place, not again by every sheet around it."""
+        first, self._full = not self._full, True
+        return first
 
 
 class SheetBuilder:
@@ -279,7 +285,7 @@ class SheetBuilder:
             return None
         structure = self.builder.build(sheet, values, used.position)
         if structure is None or not self.builder.room_for(len(structure.nodes)):
-            if structure is not None:
+            if structure is not None and self.builder.is_first_to_lack_room():
                 self.scope.report(
                     "E219",
                     "the elaborated sheet is too large",
