@@ -21,11 +21,11 @@ from saoflow import DiagnosisError
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagrams.expression_value import Quantity
 from saoflow.diagrams.reader import read_text
-from saoflow.diagrams.store import LIBRARY, SHIPPED, SheetStore
+from saoflow.diagrams.store import SHIPPED, SheetStore
 from saoflow.pipeline import LoadedSheet
 
 GOOD = Path(__file__).parent / "sheets" / "good"
-SOURCES = [*sorted(GOOD.glob("**/*.yaml")), *sorted(LIBRARY.glob("*.yaml")), *sorted(SHIPPED.glob("cmhe_fte/*.yaml"))]
+SOURCES = [*sorted(GOOD.glob("**/*.yaml")), *sorted(SHIPPED.glob("*/*.yaml"))]
 SMALL = 4000
 """Characters of a sheet that is mutated: larger ones would only be slower."""
 MUTANTS = 2100
