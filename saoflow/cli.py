@@ -188,6 +188,9 @@ def _failed(error: Exception, json: bool) -> int:
             remedy="give saoflow more memory, or a smaller sheet or batch; `saoflow run` takes recordings of any length",
         )
         return _tell([short], json)
+    if isinstance(error, FileNotFoundError) and not _has_working_folder():
+        cause, remedy = "it was removed or replaced while a shell stood in it", "change to a folder that is there: cd ."
+        return _tell([Diagnosis("E101", "the working folder is gone", cause=cause, remedy=remedy)], json)
     if os.environ.get("SAOFLOW_TRACEBACK"):
         traceback.print_exception(error)
     frame = traceback.extract_tb(error.__traceback__)[-1]
@@ -198,6 +201,14 @@ def _failed(error: Exception, json: bool) -> int:
         remedy="please report it with the input; SAOFLOW_TRACEBACK=1 shows where it happened",
     )
     return _tell([report], json)
+
+
+def _has_working_folder() -> bool:
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return False
+    return True
 
 
 # -- finding commands

@@ -40,9 +40,11 @@ def _guarded(stream: TextIO | None, number: int) -> TextIO:
         return open(os.devnull, "w", encoding="utf-8")
     raw = _Raw(number, "w", closefd=False)
     lines = number == 2 or stream.isatty()
-    return io.TextIOWrapper(
-        io.BufferedWriter(raw), encoding=stream.encoding, errors=stream.errors, line_buffering=lines, write_through=False
-    )
+    errors = stream.errors
+    if errors == "strict":
+        # A terminal that lacks our bars and arrows shows question marks; names of files pass as they are.
+        errors = "surrogateescape" if stream.encoding.lower().replace("-", "") == "utf8" else "replace"
+    return io.TextIOWrapper(io.BufferedWriter(raw), encoding=stream.encoding, errors=errors, line_buffering=lines)
 
 
 def silence(number: int) -> None:

@@ -178,6 +178,24 @@ def test_streams_that_are_closed_or_full_change_no_exit_code(here: Path) -> None
     assert streams("check", LAG, out=">/dev/full", err="2>&-")[0] == 2
 
 
+def test_a_terminal_without_our_letters_shows_others(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for encoding in ("ascii", "latin-1"):
+        monkeypatch.setenv("PYTHONIOENCODING", encoding)
+        assert streams("budget", "umhe_fte", out="> shown") == (0, "")
+        assert b"operations a frame" in Path("shown").read_bytes() and b"?" in Path("shown").read_bytes()
+
+
+def test_a_name_that_is_no_text_is_shown_as_it_is(here: Path) -> None:
+    code, told = streams("check", "$'\\xff.yaml'", out="> shown")
+    assert code == 2 and "E101" in told and Path("shown").read_bytes() == b"\xff.yaml: 1 error\n"
+
+
+def test_a_working_folder_that_is_gone_is_told(here: Path) -> None:
+    line = f"mkdir sub && cd sub && rmdir ../sub && {sys.executable} -m saoflow check {LAG}"
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and done.stderr.startswith("error[E101]: the working folder is gone\n")
+
+
 def test_tables_that_nobody_reads_on_are_no_failure(here: Path) -> None:
     assert streams("symbols", out="| head -1 > /dev/null") == (0, "")
 
