@@ -41,7 +41,7 @@ def _guarded(stream: TextIO | None, number: int) -> TextIO:
     raw = _Raw(number, "w", closefd=False)
     lines = number == 2 or stream.isatty()
     errors = stream.errors
-    if errors == "strict":
+    if errors in ("strict", "surrogateescape"):
         # A terminal that lacks our bars and arrows shows question marks; names of files pass as they are.
         errors = "surrogateescape" if stream.encoding.lower().replace("-", "") == "utf8" else "replace"
     return io.TextIOWrapper(io.BufferedWriter(raw), encoding=stream.encoding, errors=errors, line_buffering=lines)

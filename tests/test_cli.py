@@ -183,6 +183,11 @@ def test_a_terminal_without_our_letters_shows_others(here: Path, monkeypatch: py
         monkeypatch.setenv("PYTHONIOENCODING", encoding)
         assert streams("budget", "umhe_fte", out="> shown") == (0, "")
         assert b"operations a frame" in Path("shown").read_bytes() and b"?" in Path("shown").read_bytes()
+    monkeypatch.delenv("PYTHONIOENCODING")
+    monkeypatch.setenv("LC_ALL", "C")
+    monkeypatch.setenv("PYTHONUTF8", "0")
+    monkeypatch.setenv("PYTHONCOERCECLOCALE", "0")
+    assert streams("budget", "umhe_fte", out="> shown") == (0, "")
 
 
 def test_a_name_that_is_no_text_is_shown_as_it_is(here: Path) -> None:
