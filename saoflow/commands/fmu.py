@@ -119,9 +119,10 @@ def _facts(unit: Unit, output: str, size: int) -> dict[str, Any]:
 
 
 def _summary(facts: dict[str, Any]) -> str:
+    kinds = ("input", "output", "state", "constant")
+    counted = ", ".join(f"{facts[kind + 's']} {kind}{'' if facts[kind + 's'] == 1 else 's'}" for kind in kinds)
     binary = f"sources and a binary for {facts['binary']}" if facts["binary"] else "sources"
     return (
         f"{facts['sheet']}: FMI {facts['fmi']} co-simulation, a frame every {facts['period']:g} s; "
-        f"variables: {facts['inputs']} inputs, {facts['outputs']} outputs, {facts['states']} states, "
-        f"{facts['constants']} constants; {binary}; {Path(facts['output'])} ({facts['bytes'] // 1024 + 1} KiB)"
+        f"variables: {counted}; {binary}; {Path(facts['output'])} ({facts['bytes'] // 1024 + 1} KiB)"
     )

@@ -224,6 +224,6 @@ def _summary(facts: dict[str, Any]) -> str:
     frames = f"{facts['frames']} frame{'' if facts['frames'] == 1 else 's'}"
     return (
         f"{facts['sheet']}: {frames} in {facts['seconds']:.2f} s ({facts['frames_per_second']} frames/s), {samples}; "
-        f"{len(facts['columns'])} columns in {facts['output']}"
+        f"{len(facts['columns'])} column{'' if len(facts['columns']) == 1 else 's'} in {facts['output']}"
         + (f"; {facts['report']}" if "report" in facts else "")
     )
