@@ -24,23 +24,19 @@
     constructor(run, frame) {
       this.run = run; this.frameOf = frame; this.trace = new Float64Array(run.size);
       this.state = Float64Array.from(run.initial); this.next = new Float64Array(run.initial.length);
-      this.kept = []; this.at = -1;
-      for (let k = 0; k < run.frames; k++) {
-        if (k % EVERY === 0) this.kept.push(this.state.slice());
-        this.step(k);
-      }
-      this.at = run.frames - 1;
+      this.kept = []; this.at = -1;  // frames are computed when one looks at them: a page opens without waiting for its run
     }
     step(k) {
       const w = this.run.width;
+      if (k === EVERY * this.kept.length) this.kept.push(this.state.slice());
       this.frameOf(this.run.inputs.subarray(k * w, (k + 1) * w), this.state, this.next, this.trace);
       [this.state, this.next] = [this.next, this.state];
       this.at = k;
     }
     seek(k) {
       if (k === this.at) return;
-      if (k < this.at || k - this.at > EVERY) {
-        const start = Math.floor(k / EVERY);
+      const start = Math.min(Math.floor(k / EVERY), this.kept.length - 1);
+      if (k < this.at || start * EVERY > this.at + 1) {
         this.state = this.kept[start].slice(); this.at = start * EVERY - 1;
       }
       while (this.at < k) this.step(this.at + 1);
