@@ -180,6 +180,13 @@ def test_a_longer_window_is_over_budget() -> None:
         saoflow.load("cmhe_fte", parameters={"N": 4}).simulator()
 
 
+@pytest.mark.parametrize("given", [{"t_s": -0.048}, {"r_vc": 0.0}, {"q_w": -1.0}, {"kappa_factor": 2.0}, {"n_s_max": 21}])
+def test_what_no_window_can_have_is_refused(given: dict[str, float]) -> None:
+    """A frame period or a covariance that is not positive, a barrier that grows, a step beyond its table."""
+    with pytest.raises(saoflow.DiagnosisError, match="E208"):
+        saoflow.load("cmhe_fte", given).check()
+
+
 def test_probe_inside_a_stage() -> None:
     program = flagship("cmhe_fte").program(probes=["step3.ip[2].stages[1].K"])
     assert [p.type.shape for p in program.probes] == [(4, 8)]
