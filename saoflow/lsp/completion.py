@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,7 +31,7 @@ class Choice:
     detail: str = ""
 
 
-def complete(sheets: Sheets, path: Path, lines: list[str], line: int, column: int) -> list[Choice]:
+def complete(sheets: Sheets, path: Path, lines: Sequence[str], line: int, column: int) -> list[Choice]:
     """Choices at a line and column from 0; ``lines`` are the text as it now is."""
     before = lines[line][:column] if line < len(lines) else ""
     readable = sheets.sheet(path)
@@ -51,7 +52,7 @@ def complete(sheets: Sheets, path: Path, lines: list[str], line: int, column: in
     return _wires(readable)
 
 
-def _section(lines: list[str], line: int) -> str:
+def _section(lines: Sequence[str], line: int) -> str:
     """The top-level key that a line belongs to."""
     for text in reversed(lines[: line + 1]):
         match = re.match(r"(\w+):", text)
@@ -61,7 +62,7 @@ def _section(lines: list[str], line: int) -> str:
 
 
 def _in_block(
-    sheets: Sheets, path: Path, lines: list[str], line: int, before: str, readable: Readable | None
+    sheets: Sheets, path: Path, lines: Sequence[str], line: int, before: str, readable: Readable | None
 ) -> list[Choice]:
     if re.search(r"^ +\w+: *\{ *\w*$", before) or re.search(r"^ {4}\w*$", before):
         return _targets(sheets, path)

@@ -12,6 +12,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
+from pygls.workspace import PositionCodec
 
 import saoflow
 from saoflow.diagnosis import Diagnosis, Position
@@ -77,7 +78,7 @@ class SheetServer(LanguageServer):
     def _tell(self, file: Path, diagnoses: tuple[Diagnosis, ...]) -> None:
         uri = from_fs_path(str(file))
         if uri is not None:
-            sent = [_diagnostic(d) for d in diagnoses]
+            sent = [_diagnostic(file, d) for d in diagnoses]
             self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri=uri, diagnostics=sent))
 
 
@@ -88,16 +89,37 @@ def _path(uri: str) -> Path:
     return Path(to_fs_path(uri) or "").resolve()
 
 
-def _range(at: Position) -> types.Range:
-    line, start = at.line - 1, at.column - 1
-    return types.Range(types.Position(line, start), types.Position(line, start + at.length))
+def _codec() -> PositionCodec:
+    """Editors count in units of the encoding that was agreed on, UTF-16 if nothing was; saoflow counts characters."""
+    return PositionCodec(server.workspace.position_encoding)
+
+
+def _range(file: Path, at: Position) -> types.Range:
+    number, start = at.line - 1, at.column - 1
+    lines = server.sheets.lines(file)
+    line = lines[number] if number < len(lines) else ""
+    first, last = start, start + at.length
+    if not line.isascii():
+        units = _codec().client_num_units
+        first = units(line[:start])
+        last = first + units(line[start : start + at.length]) + max(0, start + at.length - len(line))
+    return types.Range(types.Position(number, first), types.Position(number, last))
+
+
+def _character(file: Path, position: types.Position) -> int:
+    """The character that an editor's position is at, from 0."""
+    lines = server.sheets.lines(file)
+    line = lines[position.line] if position.line < len(lines) else ""
+    if line.isascii():
+        return position.character
+    return _codec().position_from_client_units(lines, position).character
 
 
 def _location(found: answers.Found) -> types.Location:
-    return types.Location(uri=from_fs_path(str(found.file)) or "", range=_range(found.position))
+    return types.Location(uri=from_fs_path(str(found.file)) or "", range=_range(found.file, found.position))
 
 
-def _diagnostic(diagnosis: Diagnosis) -> types.Diagnostic:
+def _diagnostic(file: Path, diagnosis: Diagnosis) -> types.Diagnostic:
     at = diagnosis.position or Position("", 1, 1)
     lines = [diagnosis.message, diagnosis.cause and f"cause: {diagnosis.cause}", diagnosis.remedy and f"remedy: {diagnosis.remedy}"]
     related = [
@@ -107,7 +129,7 @@ def _diagnostic(diagnosis: Diagnosis) -> types.Diagnostic:
     ]
     severity = types.DiagnosticSeverity.Error if diagnosis.severity == "error" else types.DiagnosticSeverity.Warning
     return types.Diagnostic(
-        range=_range(at),
+        range=_range(file, at),
         message="\n".join(filter(None, lines)),
         severity=severity,
         code=diagnosis.code,
@@ -121,7 +143,7 @@ def _at(params: Any) -> tuple[Path, Readable | None, Place | None]:
     readable = server.sheets.sheet(path)
     place = None
     if readable is not None:
-        place = answers.place_at(readable, params.position.line + 1, params.position.character + 1)
+        place = answers.place_at(readable, params.position.line + 1, _character(path, params.position) + 1)
     return path, readable, place
 
 
@@ -174,7 +196,7 @@ def hovered(ls: SheetServer, params: types.HoverParams, path: Path, place: Place
     text = answers.hover(ls.sheets, path, place)
     if not text:
         return None
-    return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, text), _range(place.position))
+    return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, text), _range(path, place.position))
 
 
 @server.feature(types.TEXT_DOCUMENT_DEFINITION)
@@ -196,8 +218,7 @@ def referred(ls: SheetServer, params: types.ReferenceParams, path: Path, place: 
 def completed(ls: SheetServer, params: types.CompletionParams) -> types.CompletionList:
     """What may be written next."""
     path = _path(params.text_document.uri)
-    lines = ls.sheets.texts.get(path, "").splitlines()
-    choices = complete(ls.sheets, path, lines, params.position.line, params.position.character)
+    choices = complete(ls.sheets, path, ls.sheets.lines(path), params.position.line, _character(path, params.position))
     return types.CompletionList(
         is_incomplete=False,
         items=[types.CompletionItem(label=c.text, kind=KINDS[c.kind], detail=c.detail or None) for c in choices],
@@ -213,7 +234,7 @@ def renamed(ls: SheetServer, params: types.RenameParams, path: Path, place: Plac
         raise JsonRpcInvalidParams(found)
     changes: dict[str, list[types.TextEdit]] = {}
     for one in found:
-        edit = types.TextEdit(_range(one.position), params.new_name)
+        edit = types.TextEdit(_range(one.file, one.position), params.new_name)
         changes.setdefault(from_fs_path(str(one.file)) or "", []).append(edit)
     return types.WorkspaceEdit(changes=changes)
 
@@ -221,7 +242,8 @@ def renamed(ls: SheetServer, params: types.RenameParams, path: Path, place: Plac
 @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
 def outlined(ls: SheetServer, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
     """Inputs, blocks and outputs."""
-    readable = ls.sheets.sheet(_path(params.text_document.uri))
+    path = _path(params.text_document.uri)
+    readable = ls.sheets.sheet(path)
     if readable is None:
         return []
     sheet, kind = readable.sheet, types.SymbolKind
@@ -231,5 +253,6 @@ def outlined(ls: SheetServer, params: types.DocumentSymbolParams) -> list[types.
         *((p.name, kind.Constant, p.doc) for p in sheet.parameters),
     ]
     return [
-        types.DocumentSymbol(n.text, k, _range(n.position), _range(n.position), detail=d or None) for n, k, d in named
+        types.DocumentSymbol(n.text, k, _range(path, n.position), _range(path, n.position), detail=d or None)
+        for n, k, d in named
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError
@@ -17,6 +17,11 @@ from saoflow.pipeline import LoadedSheet
 
 MOST_FILES = 400
 """Sheets of a folder that are looked through for uses."""
+
+
+@lru_cache(maxsize=16)
+def _lines(text: str) -> tuple[str, ...]:
+    return tuple(text.splitlines())
 
 
 @dataclass(eq=False)
@@ -58,6 +63,13 @@ class Sheets:
     def close(self, path: Path) -> None:
         """A buffer is closed: its file counts again."""
         self.texts.pop(path, None)
+
+    def lines(self, path: Path) -> tuple[str, ...]:
+        """The text as it now is, line by line; none where it cannot be read."""
+        try:
+            return _lines(self.texts[path] if path in self.texts else file_text(str(path)))
+        except DiagnosisError:
+            return ()
 
     def sheet(self, path: Path) -> Readable | None:
         """The sheet as it now is; while it cannot be read at all, as it last could."""

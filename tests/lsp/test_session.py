@@ -107,13 +107,16 @@ class Session:
         return {item.label for item in answer.items}
 
 
-def session(folder: Path, talk: Callable[[Session], Awaitable[T]]) -> T:
+def session(
+    folder: Path, talk: Callable[[Session], Awaitable[T]], encodings: list[types.PositionEncodingKind | str] | None = None
+) -> T:
+    general = types.GeneralClientCapabilities(position_encodings=encodings)
     async def whole() -> T:
         here = Session(folder)
         await here.client.start_io(sys.executable, "-m", "saoflow", "lsp")
         try:
             await here.client.initialize_async(
-                types.InitializeParams(types.ClientCapabilities(), root_uri=folder.as_uri(), process_id=None)
+                types.InitializeParams(types.ClientCapabilities(general=general), root_uri=folder.as_uri(), process_id=None)
             )
             here.client.initialized(types.InitializedParams())
             return await talk(here)
@@ -273,3 +276,31 @@ def test_a_sheet_that_needs_its_user_is_checked_through_it() -> None:
         await here.told("stage.yaml", lambda found: [d.code for d in found] == ["E202"])
 
     session(folder, talk)
+
+
+@pytest.mark.parametrize(("encoding", "size"), [("utf-8", 1), ("utf-16", 2), ("utf-32", 4)])
+def test_columns_are_counted_as_the_editor_counts_them(folder: Path, encoding: str, size: int) -> None:
+    line = "blocks: {gain: {mul: [u, 2], doc: \"😀 é\"}, y: {add: [gain, gian]}}"
+    wide = f"sheet: wide\ninputs: [u]\n{line}\noutputs: [y]\n"
+    (folder / "wide.yaml").write_text(wide, encoding="utf-8")
+
+    def units(text: str) -> int:
+        return len(text.encode(encoding if size == 1 else f"{encoding}-le")) // size
+
+    async def talk(here: Session) -> None:
+        here.open("wide.yaml")
+        (found,) = await here.told("wide.yaml", lambda found: len(found) == 1)
+        begins = units(line[: line.index("gian")])
+        assert (found.range.start.character, found.range.end.character) == (begins, begins + 4)
+        place = types.Position(2, units(line[: line.rindex("gain")]) + 1)
+        document = types.TextDocumentIdentifier(here.uri("wide.yaml"))
+        answer = await here.client.text_document_hover_async(types.HoverParams(document, place))
+        assert answer is not None and answer.range is not None
+        assert answer.range.start.character == place.character - 1
+        change = await here.client.text_document_rename_async(types.RenameParams(document, place, "twice"))
+        assert change is not None and change.changes is not None
+        (edits,) = change.changes.values()
+        found_at = {edit.range.start.character for edit in edits}
+        assert found_at == {units(line[: line.index("gain")]), units(line[: line.rindex("gain")])}
+
+    session(folder, talk, [encoding])
