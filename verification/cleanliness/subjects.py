@@ -13,6 +13,7 @@ import saoflow
 from saoflow.codegen.interface import Interface
 from saoflow.diagrams.store import LIBRARY
 from saoflow.pipeline import LoadedSheet
+from saoflow.scheduler.program import FrameProgram
 from verification.bits.flights import flagship_rows
 from verification.bits.harness import write_program
 from verification.bits.random_sheets import ODD, SIDE_SHEETS, sheets
@@ -74,12 +75,15 @@ def subject(group: str, sheet: LoadedSheet, real: int, folder: Path, rows: np.nd
         rows = odd_rows(frames, width)
     with np.errstate(all="ignore"):
         (folder / "in.bin").write_bytes(rows.astype(f"f{real // 8}").tobytes())
-    counts = [len(body.parameters) + 2 for body in program.procedures]
-    bodies = [*program.procedures, *(group.body for group in program.groups)]
-    identifiers = [sum(max(len(op.results), 1) for op in body.operations) for body in bodies]
-    return Subject(
-        group, sheet.name, real, folder, code.interface, max(counts, default=3), max(identifiers, default=0), len(rows)
-    )
+    parameters, identifiers = sizes(program)
+    return Subject(group, sheet.name, real, folder, code.interface, parameters, identifiers, len(rows))
+
+
+def sizes(program: FrameProgram) -> tuple[int, int]:
+    """The most parameters of a function, and the most identifiers of a block, of a program's C."""
+    parameters = [len(body.parameters) + 2 for body in program.procedures]
+    identifiers = [sum(max(len(op.results), 1) for op in body.operations) for body in program.bodies]
+    return max(parameters, default=3), max(identifiers, default=0)
 
 
 def odd_rows(frames: int, width: int, number: int = 7) -> np.ndarray:

@@ -12,7 +12,7 @@ from verification.cleanliness.__main__ import main
 from verification.cleanliness.callgraph import deepest, read_call_graph, recursive
 from verification.cleanliness.checks import CHECKS, Check
 from verification.cleanliness.misra import ACCEPTED, Misra, read_accepted
-from verification.cleanliness.subjects import Subject, estimators, library, random_sheets, subject
+from verification.cleanliness.subjects import ESTIMATORS, Subject, estimators, library, random_sheets, sizes, subject
 from verification.cleanliness.tools import where
 
 MISRA = Check("MISRA, cppcheck", ("cppcheck",), lambda s: Misra(read_accepted()).look(s))
@@ -139,3 +139,12 @@ def test_missing_tools_are_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest
     said = capsys.readouterr().out
     assert "not installed: valgrind" in said.replace("gcc, ", "") and "not installed: cppcheck; left out: MISRA" in said
     assert "limits of C99: clean" in said
+
+
+@pytest.mark.parametrize("name", ESTIMATORS)
+def test_the_page_has_the_sizes_of_this_code(name: str) -> None:
+    """Its bytes are gcc's; what C99 limits is the code's alone (``python -m verification.cleanliness.stack_table``)."""
+    page = (Path(saoflow.__file__).parents[1] / "docs" / "c_code.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.split("\n") if line.startswith(f"| {name} |"))
+    shown = tuple(int(cell.replace(" ", "")) for cell in row.strip("| ").split("|")[-2:])
+    assert shown == sizes(saoflow.load(name).frame_program)
