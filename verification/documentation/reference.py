@@ -16,6 +16,7 @@ from saoflow.drawing.page import FOLDER
 from saoflow.drawing.style import OWN_LIGHT
 from saoflow.report.style import LIGHT
 from saoflow.symbol_catalogue import LibrarySheet, SymbolEntry, library_sheets, symbol_entries
+from verification.documentation.paper_equations import EQUATIONS, aligned
 
 FLAGSHIP = (
     *("cmhe_fte", "conditioning", "start_up", "first_state", "warm_start", "output_equation", "step1", "step2"),
@@ -144,7 +145,8 @@ def flagship_page(pictures: Path) -> str:
         "Wan, Keviczky: *Real-time fault-tolerant moving horizon air data estimation for the RECONFIGURE benchmark*, IEEE",
         "Transactions on Control Systems Technology 27 (2019), as it would stand on the flight-control computer. Made from the",
         "sheets in `saoflow/diagrams/cmhe_fte/`; what is corrected in the paper is in [corrections](corrections.md). To walk",
-        "through the drawings, and to play a flight: `saoflow view cmhe_fte`, see [drawings](view.md).",
+        "through the drawings, and to play a flight: `saoflow view cmhe_fte`, see [drawings](view.md). The paper's equations stand",
+        "in the form that is right; where the paper prints another, *corrected* stands behind them.",
         "",
     ]
     places = instances(drafter.data)
@@ -160,6 +162,8 @@ def flagship_page(pictures: Path) -> str:
         parts += [f"## {name}", "", " ".join(read.doc.split()), ""]
         if read.equations:
             parts += [f"*{' '.join(read.equations.split())}*", ""]
+        if name in EQUATIONS:
+            parts += ["```text", aligned(EQUATIONS[name]), "```", ""]
         where = f" at `{path}`" if path else ""
         parts += [f"![{name}](flagship/{picture})", "", f"{cost.total} operations a frame{where}.", ""]
         text = (SHIPPED / "cmhe_fte" / f"{name}.yaml").read_text(encoding="utf-8")
