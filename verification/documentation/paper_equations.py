@@ -6,17 +6,23 @@ numbers are the paper's; W_z is positive down.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
+
+WIDTH = 78
+"""Letters that a page shows in one line."""
 
 EQUATIONS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "cmhe_fte": (
         ("x = (α, V_g, W_x, W_z),  u = (u_α, u_v, u_wx, u_wz)", "(22)"),
         ("y = (V_g, V_z, α, V_c),  Θ = (V_g,m, θ, q, A_x, A_z, z)", ""),
         ("x_i+1 = F(x_i, u_i, Θ_i),  y_m,i = h(x_i, Θ_i) + n_i", "(20a) to (20d)"),
-        ("min  ½‖x_l − x⁻_l|k‖²_P⁻¹ + ½ Σ_l..k−1 ‖u_i‖²_Q⁻¹ + ½ Σ_l..k ‖y_m,i − h(x_i, Θ_i)‖²_R⁻¹", "(21a)"),
+        ("min  ½‖x_l − x⁻_l|k‖²_P⁻¹ + ½ Σ_l..k−1 ‖u_i‖²_Q⁻¹", "(21a)"),
+        ("     + ½ Σ_l..k ‖y_m,i − h(x_i, Θ_i)‖²_R⁻¹", ""),
         ("u^LB ≤ u_i ≤ u^UB,  x^LB ≤ x_i ≤ x^UB", "(21b)"),
-        ("P = diag(p_α, p_v, p_w I_2),  Q = diag(q_α, q_v, q_w I_2),  R = diag(R_vg, R_vz, R_α, R_vc)", "(22), R corrected"),
+        ("P = diag(p_α, p_v, p_w I_2),  Q = diag(q_α, q_v, q_w I_2),  R = diag(R_vg, R_vz, R_α, R_vc)", "(22), corrected"),
     ),
     "warm_start": (
         ("x̂_i|k−1, û_i|k−1 of the last frame's window, one sample further", "V-A"),
@@ -27,7 +33,7 @@ EQUATIONS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("V_z = −V_g sin(α − θ) − W_z", "(15), corrected"),
         ("V_c = √(5γRT_0) ϱ(V_t, T, p̄)", "(16)"),
         ("y = h(x, Θ) = (V_g, V_z, α, V_c)", "(20d)"),
-        ("C = ∂h/∂x = [0 1 0 0; c_21 0 0 −1; 1 0 0 0; c_41 0 c_43 c_44]", "(23), corrected"),
+        ("C = ∂h/∂x = [0 1 0 0;  c_21 0 0 −1;  1 0 0 0;  c_41 0 c_43 c_44]", "(23), corrected"),
     ),
     "calibrated_airspeed": (
         ("ϱ(V_t, T, p̄) = √( [((1 + V_t²/(5γRT))^3.5 − 1) p̄ + 1]^(1/3.5) − 1 )", "(16)"),
@@ -52,7 +58,8 @@ EQUATIONS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("IV   N^f_α = 3, N^f_v = 3    y_m = (V_g, V_z)", ""),
     ),
     "step3": (
-        ("min  ½‖Δx_l‖²_P⁻¹ + ½ Σ ‖r_u,i − Δu_i‖²_Q⁻¹ + ½ Σ ‖r_y,i − C_i Δx_i‖²_R⁻¹", "(42a)"),
+        ("min  ½‖Δx_l‖²_P⁻¹ + ½ Σ ‖r_u,i − Δu_i‖²_Q⁻¹", "(42a)"),
+        ("     + ½ Σ ‖r_y,i − C_i Δx_i‖²_R⁻¹", ""),
         ("Δx_i+1 = f_i + A_i Δx_i + B_i Δu_i", "(42b)"),
         ("Δu^LB_i ≤ Δu_i ≤ Δu^UB_i,  Δx^LB_i ≤ Δx_i ≤ Δx^UB_i", ""),
         ("solved by Algorithm 1;  x̂_i|k = x̂_i|k−1 + Δx_i|k,  û_i|k = û_i|k−1 + Δu_i|k", ""),
@@ -71,7 +78,7 @@ EQUATIONS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("dα/dt = f_α/V_g + q + u_α", "(13)"),
         ("dV_g/dt = f_v + u_v", "(14)"),
         ("x_i+1 = x_i + t_s (dx/dt)_i = F(x_i, u_i, Θ_i);  the wind: w_i+1 = w_i + t_s u_w,i", "(20a) to (20c)"),
-        ("A = ∂F/∂x = [1 − t_s f_v/V_g  0 0 0; t_s f_α  1 0 0; 0 0 1 0; 0 0 0 1],  B = t_s I", "(23)"),
+        ("A = ∂F/∂x = [1 − t_s f_v/V_g 0 0 0;  t_s f_α 1 0 0;  0 0 1 0;  0 0 0 1],  B = t_s I", "(23)"),
     ),
     "room": (
         ("Δx^LB_i = x^LB − x̂_i|k−1,  Δx^UB_i = x^UB − x̂_i|k−1;  likewise Δu", "below (42)"),
@@ -114,17 +121,29 @@ EQUATIONS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("λ_i−1 ← ξ_i − Ω_i (r̆_i + Π_i ξ_i),  i > l", "lines 24, 25, corrected"),
     ),
     "line_search": (
-        ("s = max { 2^−n | Δ^LB < Δ⁻ + 2^−n Δ² < Δ^UB for every entry of x and u, 0 ≤ n ≤ n_s^max },  or 0", "Algorithm 1, corrected"),
+        ("s = max { 2^−n | Δ^LB < Δ⁻ + 2^−n Δ² < Δ^UB,", "corrected"),
+        ("          every entry of x and u, 0 ≤ n ≤ n_s^max },  or 0", ""),
     ),
 }
 """By sheet: lines of formula, and the number that the paper gives it; none for a sheet that the paper leaves open."""
 
 
 def aligned(lines: Sequence[tuple[str, str]]) -> str:
-    """The lines as text, numbers in a column: letters with bars and hats are as wide as without."""
-    widths = [sum(not unicodedata.combining(letter) for letter in formula) for formula, _ in lines]
-    widest = max(widths)
-    return "\n".join(
-        f"{formula}{' ' * (widest - width + 3) if number else ''}{number}"
-        for (formula, number), width in zip(lines, widths, strict=True)
-    )
+    """The lines as text, the paper's numbers before them; what is too wide for a page goes on below."""
+    before = max(len(number) for _, number in lines)
+    text = []
+    for formula, number in lines:
+        parts = [""]
+        for piece in re.split(r"(?<=[,;])  ", formula):
+            joined = f"{parts[-1]}  {piece}" if parts[-1] else piece
+            if parts[-1] and _width(joined) > WIDTH - before:
+                parts.append(piece)
+            else:
+                parts[-1] = joined
+        text += [f"{label:{before}}   {part}" for label, part in zip_longest([number], parts, fillvalue="")]
+    return "\n".join(text)
+
+
+def _width(text: str) -> int:
+    """Bars and hats are letters of no width."""
+    return sum(not unicodedata.combining(letter) for letter in text)
