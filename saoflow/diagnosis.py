@@ -108,9 +108,9 @@ def _blank(text: str) -> str:
     """Spaces as wide as a text: letters of some alphabets take two columns, combining marks none."""
     if text.isascii():
         return " " * len(text)
-    from unicodedata import combining, east_asian_width
+    from rich.cells import cell_len
 
-    return " " * sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+    return " " * cell_len(text)
 
 
 class DiagnosisError(Exception):

@@ -109,6 +109,12 @@ def ending(code: int) -> str:
     return f"ends with exit code {code}" if code > 0 else f"is killed by signal {-code}"
 
 
+def complaint(said: str, code: int) -> str:
+    """What a compiler that failed said, its first lines in one; without a word, how it ended."""
+    lines = [line for line in said.splitlines() if line.strip()][:3]
+    return "; ".join(lines) or f"it {ending(code)} and says nothing"
+
+
 @lru_cache(maxsize=1)
 def machine() -> str:
     """What -march=native depends on: the processor's abilities."""
@@ -182,8 +188,7 @@ def _call(commands: Sequence[Sequence[str]], compiler: Compiler, folder: Folder)
         ended = [(call.communicate(), call.returncode) for call in calls]
     for (out, errors), code in ended:
         if code:
-            lines = [line for line in (errors or out).splitlines() if line.strip()][:3]
-            said = "; ".join(lines) or f"it {ending(code)} and says nothing"
+            said = complaint(errors or out, code)
             full = os.strerror(errno.ENOSPC) in said
             raise _failed(compiler, f"{said} ({folder.path})" if full else said, ROOM if full else ANOTHER)
 

@@ -8,7 +8,6 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from saoflow.blocks.library import SYMBOLS
 from saoflow.drawing.described import described
 from saoflow.drawing.draw import draw
 from saoflow.drawing.javascript import print_javascript
-from saoflow.drawing.style import css_colours
+from saoflow.drawing.style import FOLDER, css_colours
 from saoflow.scheduler.counts import CountTree
 from saoflow.scheduler.lowering import lower
 from saoflow.whole_file import write_text
@@ -26,7 +25,6 @@ from saoflow.whole_file import write_text
 if TYPE_CHECKING:
     from saoflow.pipeline import LoadedSheet
 
-FOLDER = Path(__file__).parent / "browser"
 SCRIPTS = ("layout.js", "render.js", "player.js", "layouter.js")
 
 

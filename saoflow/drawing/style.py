@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from saoflow.report.style import DARK, LIGHT
+
+FOLDER = Path(__file__).parent / "browser"
+"""The files of the page."""
 
 OWN_LIGHT = {
     "tint": "#f3f5f8",
@@ -41,3 +46,12 @@ def css_colours() -> str:
         f":root[data-theme=light]{{color-scheme:light;{light}}}"
         f"@media print{{:root,:root[data-theme=dark]{{color-scheme:light;{light}}}}}"
     )
+
+
+def picture_css() -> str:
+    """The page's rules for what is drawn, its light colours put in: the style of a picture that stands by itself."""
+    css = (FOLDER / "view.css").read_text(encoding="utf-8")
+    css = css[css.index("\n.box{") + 1 : css.index("@media")]
+    for role, colour in {**LIGHT, **OWN_LIGHT}.items():
+        css = css.replace(f"var(--{role})", colour)
+    return css

@@ -8,8 +8,8 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from saoflow.diagnosis import Diagnosis, DiagnosisError, did_you_mean
-from saoflow.drawing.page import FOLDER, view_data
-from saoflow.drawing.style import OWN_LIGHT
+from saoflow.drawing.page import view_data
+from saoflow.drawing.style import FOLDER, picture_css
 from saoflow.report.style import LIGHT
 
 if TYPE_CHECKING:
@@ -56,15 +56,11 @@ class Drafter:
         if self._engine is None:
             self._engine = _engine()
         width, height, body = _drawn(self._engine, drawing, types)
-        css = (FOLDER / "view.css").read_text(encoding="utf-8")
-        css = css[css.index(".box{") : css.index("@media")]
-        for role, colour in {**LIGHT, **OWN_LIGHT}.items():
-            css = css.replace(f"var(--{role})", colour)
         title = escape(f"{self.sheet.name} {inside}".strip())
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" '
             f'height="{height:.0f}" role="img" aria-label="{title}"><title>{title}</title>'
-            f"<style>{escape(css, quote=False)}</style>"
+            f"<style>{escape(picture_css(), quote=False)}</style>"
             f'<rect width="100%" height="100%" fill="{LIGHT["paper"]}"/>{body}</svg>\n'
         )
 

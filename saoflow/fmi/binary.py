@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from saoflow.codegen.compiler import Compiler, ending, wrong_library
+from saoflow.codegen.compiler import Compiler, complaint, wrong_library
 from saoflow.diagnosis import Diagnosis, DiagnosisError
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-fast-math", "-fPIC", "-shared", "-fvisibility=hidden")
@@ -66,10 +66,10 @@ def compile_binary(
             if os.strerror(errno.ENOSPC) in done.stderr:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
             if done.returncode:
-                raise _failed(compiler, done.stderr or done.stdout, f"it {ending(done.returncode)} and says nothing")
+                raise _failed(compiler, complaint(done.stderr or done.stdout, done.returncode))
             wrong = wrong_library(target)
             if wrong:
-                raise _failed(compiler, wrong, "")
+                raise _failed(compiler, wrong)
             return target.read_bytes()
     except OSError as error:
         where = error.filename or tempfile.gettempdir()
@@ -85,14 +85,13 @@ def compile_binary(
         ) from None
 
 
-def _failed(compiler: Compiler, said: str, otherwise: str) -> DiagnosisError:
-    lines = [line for line in said.splitlines() if line.strip()][:3]
+def _failed(compiler: Compiler, cause: str) -> DiagnosisError:
     return DiagnosisError(
         [
             Diagnosis(
                 "E607",
                 f"the C code of the unit cannot be compiled with {' '.join(compiler.command)}",
-                cause="; ".join(lines) or otherwise,
+                cause=cause,
                 remedy="try another compiler (SAOFLOW_CC=clang), or leave the binary out with --source-only",
             )
         ]

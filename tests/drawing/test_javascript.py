@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import saoflow
 from saoflow.drawing.javascript import TracedJavaScript, print_javascript
-from saoflow.drawing.page import FOLDER
+from saoflow.drawing.style import FOLDER
 from saoflow.scheduler.lowering import lower
 from verification.bits.random_sheets import SIDE_SHEETS, sheets
 

@@ -7,9 +7,10 @@ numbers are the paper's; W_z is positive down.
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
+
+from rich.cells import cell_len
 
 WIDTH = 78
 """Letters that a page shows in one line."""
@@ -136,14 +137,9 @@ def aligned(lines: Sequence[tuple[str, str]]) -> str:
         parts = [""]
         for piece in re.split(r"(?<=[,;])  ", formula):
             joined = f"{parts[-1]}  {piece}" if parts[-1] else piece
-            if parts[-1] and _width(joined) > WIDTH - before:
+            if parts[-1] and cell_len(joined) > WIDTH - before:
                 parts.append(piece)
             else:
                 parts[-1] = joined
         text += [f"{label:{before}}   {part}" for label, part in zip_longest([number], parts, fillvalue="")]
     return "\n".join(text)
-
-
-def _width(text: str) -> int:
-    """Bars and hats are letters of no width."""
-    return sum(not unicodedata.combining(letter) for letter in text)

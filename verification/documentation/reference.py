@@ -12,9 +12,7 @@ import saoflow
 from saoflow.blocks.library import SYMBOLS
 from saoflow.diagrams.reader import read_sheet
 from saoflow.diagrams.store import SHIPPED
-from saoflow.drawing.page import FOLDER
-from saoflow.drawing.style import OWN_LIGHT
-from saoflow.report.style import LIGHT
+from saoflow.drawing.style import picture_css
 from saoflow.symbol_catalogue import LibrarySheet, SymbolEntry, library_sheets, symbol_entries
 from verification.documentation.paper_equations import EQUATIONS, aligned
 
@@ -81,11 +79,7 @@ def _symbol(entry: SymbolEntry) -> Iterator[str]:
 
 def glyph(name: str) -> str:
     """The drawing of a symbol, as an SVG element with its own colours."""
-    css = (FOLDER / "view.css").read_text(encoding="utf-8")
-    css = css[css.index(".box{") : css.index("@media")]
-    for role, colour in {**LIGHT, **OWN_LIGHT}.items():
-        css = css.replace(f"var(--{role})", colour)
-    kept = "".join(line for line in css.splitlines() if line.startswith((".box", ".stroke", ".curve", ".dot", "text", "tspan")))
+    kept = "".join(line for line in picture_css().splitlines() if line.startswith((".box", ".stroke", ".curve", ".dot", "text", "tspan")))
     radius = 24 if name == "add" else 4
     box = f'<rect class="box" x="-24" y="-24" width="48" height="48" rx="{radius}"/>'
     return (
