@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import saoflow
 from saoflow.drawing.javascript import TracedJavaScript, print_javascript
-from saoflow.drawing.style import FOLDER
+from saoflow.drawing.style import FOLDER, picture_css
 from saoflow.scheduler.lowering import lower
 from verification.bits.random_sheets import SIDE_SHEETS, sheets
 
@@ -129,3 +129,10 @@ def test_random_sheets(data: st.DataObject, seed: int, tmp_path_factory: pytest.
         values[rng.random(values.shape) < 0.15] = rng.choice(odd)
         inputs[name] = values
     assert_same_bits(sheet, inputs)
+
+
+def test_a_picture_has_the_style_of_what_is_drawn_and_no_other() -> None:
+    """Not the page's around it, nor the outline of what has the keyboard, which would stand on every block."""
+    css = picture_css()
+    assert css.startswith(".box{fill:#")
+    assert "outline" not in css and "aside" not in css and "var(--paper)" not in css
